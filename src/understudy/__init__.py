@@ -1,0 +1,1 @@
+"""Turns a recorded motion into a physically simulated performance."""
