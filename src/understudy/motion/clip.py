@@ -25,11 +25,14 @@ class Conventions:
         unit: Meters per file unit.
         rotation_orders: Euler order per joint as channels list it ("ZXY"); empty means "ZXY" for
             every joint.
+        channels: All channels per joint as the file lists them, positions in lower case and
+            rotations in upper case ("xyzZXY"); empty means root positions first, then rotations.
     """
 
     up: str = "y"
     unit: float = 0.01
     rotation_orders: tuple[str, ...] = ()
+    channels: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.up not in ("x", "y", "z"):
@@ -106,6 +109,8 @@ class Clip:
         length = np.linalg.norm(turned, axis=-1)
         if np.any(length < 1e-6):
             raise InvalidValue("A joint rotation is the zero quaternion.")
+        # Unit quaternions pass unchanged, so that a clip written and read again is the same bits.
+        length[np.abs(length - 1.0) < 1e-15] = 1.0
         turned = rot.continuous(turned / length[..., None])
         turned.setflags(write=False)
         set_ = object.__setattr__
