@@ -1,0 +1,199 @@
+"""Entry point of the `understudy` command: picks a command, prints its outcome, sets the status.
+
+Only the standard library is imported here, so that `understudy --help` answers at once.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import importlib
+import io
+import json
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from understudy import __version__
+from understudy.app.outcome import Outcome, plain
+from understudy.errors import Diverged, UnderstudyError
+
+OK, PARTLY, BAD_INPUT, DEFECT, INTERRUPTED = 0, 1, 2, 3, 130
+
+COMMANDS = {
+    "track": "Make a simulated body perform motion clips, and report how well it did.",
+    "info": "Say what is in a clip: skeleton, rate, roles, repairs, the body it would get.",
+    "convert": "Read a clip, edit it if asked, and write it in another format.",
+    "tune": "Search for the servo stiffness that follows a clip best.",
+    "score": "Print the certificate of a saved take.",
+    "render": "Make a video, a contact sheet or an HTML player from a saved take.",
+    "samples": "List the bundled sample motions, or write them as files.",
+    "fetch": "Download a named motion from its public source.",
+}
+
+USAGE = """\
+usage: understudy COMMAND [ARGUMENTS]
+
+Turns a recorded motion into a physically simulated performance.
+
+{commands}
+
+  understudy COMMAND --help    options and an example
+  understudy --version
+
+Every command takes --json: one JSON object on standard output, errors included.
+Status: 0 done; 1 some clips failed or a simulation diverged; 2 bad input, nothing was made;
+3 a defect in understudy; 130 interrupted.
+
+Example:
+  understudy track sample:gesture --out out/gesture
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        return _dispatch(words)
+    except BrokenPipeError:  # the reader of our output went away, as `head` does
+        with contextlib.suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return OK
+
+
+def _dispatch(words: list[str]) -> int:
+    if not words or words[0] in ("-h", "--help", "help"):
+        print(usage(), end="")
+        return OK if words else BAD_INPUT
+    if words[0] in ("-V", "--version"):
+        print(f"understudy {__version__}")
+        return OK
+    name, arguments = words[0], words[1:]
+    as_json = "--json" in arguments
+    if name not in COMMANDS:
+        near = difflib.get_close_matches(name, COMMANDS, n=1)
+        hint = f" Did you mean {near[0]!r}?" if near else ""
+        return _fail(
+            "understudy",
+            f"no command named {name!r}.{hint} Valid: {', '.join(COMMANDS)}.",
+            BAD_INPUT,
+            as_json,
+        )
+    return _run(name, arguments, as_json)
+
+
+def usage() -> str:
+    """The text of `understudy --help`."""
+    return USAGE.format(commands="\n".join(f"  {k:<8} {v}" for k, v in COMMANDS.items()))
+
+
+def parse(name: str, arguments: Sequence[str]) -> Any:
+    """Options of one command from its words.
+
+    Raises:
+        UnderstudyError: The words do not parse; the text is one line.
+        SystemExit: Help was asked for, and printed.
+    """
+    import tyro
+
+    module = importlib.import_module(f"understudy.app.{name}")
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(said):
+            return tyro.cli(
+                module.Options,
+                prog=f"understudy {name}",
+                args=list(arguments),
+                config=(tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes),
+            )
+    except SystemExit as end:
+        if not end.code:
+            print(f"\nExample:\n{module.EXAMPLE}")
+            raise
+        raise UnderstudyError(_one_line(said.getvalue(), name)) from None
+
+
+def _one_line(boxed: str, name: str) -> str:
+    """The first paragraph of the parser's boxed message, as one line that names the help."""
+    words = []
+    for line in boxed.splitlines():
+        text = line.strip("│ ").strip()
+        if text.startswith(("╭", "╰")):
+            continue
+        if text.startswith("───"):
+            break
+        words.append(text)
+    message = " ".join(words).strip() or "the arguments do not parse"
+    near = [line.strip("│ ").split()[0] for line in boxed.splitlines() if "│     --" in line]
+    hint = f" Did you mean {near[0]}?" if "Perhaps you meant" in boxed and near else ""
+    return f"{message}{'' if message.endswith('.') else '.'}{hint} See: understudy {name} --help"
+
+
+def _run(name: str, arguments: list[str], as_json: bool) -> int:
+    who = f"understudy {name}"
+    try:
+        with _only_json_on_stdout(as_json):
+            options = parse(name, arguments)
+            outcome: Outcome = importlib.import_module(f"understudy.app.{name}").run(options)
+    except SystemExit as end:
+        return int(end.code or OK)
+    except KeyboardInterrupt:
+        return _fail(who, "interrupted; finished files are kept.", INTERRUPTED, as_json)
+    except Exception as error:
+        if os.environ.get("UNDERSTUDY_DEBUG"):
+            raise
+        return _fail(who, *explained(error), as_json)
+    print(json.dumps(plain(outcome.result), indent=2) if as_json else outcome.text)
+    sys.stdout.flush()
+    return outcome.status
+
+
+def explained(error: Exception) -> tuple[str, int]:
+    """One line for a person and the exit status, for anything a command can raise."""
+    if isinstance(error, Diverged):
+        return str(error), PARTLY
+    if isinstance(error, UnderstudyError):
+        return str(error), BAD_INPUT
+    if isinstance(error, OSError) and error.filename is not None:
+        return f"{error.filename}: {error.strerror}.", BAD_INPUT
+    if isinstance(error, MemoryError):
+        return "not enough memory for this clip; trim it or resample it first.", PARTLY
+    text = " ".join(str(error).split())
+    return (
+        f"unexpected {type(error).__name__}: {text} (a defect in understudy; "
+        "UNDERSTUDY_DEBUG=1 shows where).",
+        DEFECT,
+    )
+
+
+def _fail(who: str, message: str, status: int, as_json: bool) -> int:
+    message = " ".join(message.split())
+    if as_json:
+        print(json.dumps({"error": message, "status": status}))
+    else:
+        print(f"{who}: {message}", file=sys.stderr)
+    sys.stdout.flush()
+    return status
+
+
+@contextlib.contextmanager
+def _only_json_on_stdout(wanted: bool) -> Iterator[None]:
+    """Send everything printed meanwhile, by Python or by a C library, to standard error."""
+    if not wanted:
+        yield
+        return
+    sys.stdout.flush()
+    kept = os.dup(1)
+    try:
+        os.dup2(2, 1)
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+        sys.stdout.flush()
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
