@@ -1,0 +1,89 @@
+"""What a controller is: three kinds, one for each gear of `simulate`.
+
+A controller decides the controls and never steps the engine. Which of the three it is decides how
+fast the simulation runs, not what it computes:
+
+1. `OpenLoop` samples its whole reference once and returns one block for the run.
+2. `Compiled` is a scalar step function compiled by numba that runs beside the engine's steps.
+3. `Callable` is any Python function, asked for its controls once a period.
+
+Several controllers may share a performance. Open-loop blocks are laid down first; the feedback
+controllers then change the entries they own, in the order given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import mujoco
+
+from understudy.motion.rotations import Array
+from understudy.scene import Scene
+
+
+@dataclass(frozen=True)
+class Controls:
+    """A block of controls, one row per physics step.
+
+    Attributes:
+        ctrl: Actuator controls, shape (steps, nu).
+        applied: Generalized forces added to the servos', shape (steps, nv), or None for none.
+    """
+
+    ctrl: Array
+    applied: Array | None = None
+
+
+@runtime_checkable
+class Controller(Protocol):
+    """What every controller can do: set up the model it will control, and the first state."""
+
+    def configure(self, scene: Scene, model: mujoco.MjModel) -> None:
+        """Write gains and limits into `model`, a private copy of the scene's."""
+
+    def start(self, scene: Scene, data: mujoco.MjData) -> None:
+        """Write the first state of what it controls into `data.qpos` and `data.qvel`."""
+
+
+@runtime_checkable
+class OpenLoop(Controller, Protocol):
+    """Gear 1: the whole reference at once."""
+
+    def controls(self, scene: Scene, model: mujoco.MjModel, times: Array) -> Controls:
+        """Controls for steps that begin at `times` [s]; entries it does not own are zero."""
+
+
+@runtime_checkable
+class Compiled(Controller, Protocol):
+    """Gear 2: a law in numba, called once a step between the engine's two halves.
+
+    The law is `law(time, qpos, qvel, body_pos, body_vel, ctrl, applied, parameters, memory)`: times
+    in seconds, engine arrays as they are after position and velocity computations (`body_pos` is
+    `xpos`, `body_vel` is `cvel`), `ctrl` and `applied` to be changed in place. `parameters` and
+    `memory` are float arrays of its own; memory carries state from step to step.
+    """
+
+    def law(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
+        """The compiled function, its parameters, and its memory at time zero."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PythonController:
+    """Gear 3: any function of time and state.
+
+    Attributes:
+        function: `function(time, data) -> None`; it changes `data.ctrl` or `data.qfrc_applied` in
+            place.
+        period: Time between calls [s]; controls are held in between.
+    """
+
+    function: Callable[[float, mujoco.MjData], None]
+    period: float = 1.0 / 120.0
+
+    def configure(self, scene: Scene, model: mujoco.MjModel) -> None:
+        """Leave the model as it is."""
+
+    def start(self, scene: Scene, data: mujoco.MjData) -> None:
+        """Leave the first state as it is."""

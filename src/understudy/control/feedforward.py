@@ -1,0 +1,147 @@
+"""What the motion needs: inverse dynamics of the reference, with ground contact explained first.
+
+For each frame the engine's inverse dynamics gives the generalized force that the reference
+accelerations require. Its six root rows can only come from the ground: non-negative least squares
+finds friction-pyramid forces at the soles near the ground that explain them best; what the legs
+must bear follows by the transposed Jacobian. What is left over in the root rows is the help the
+motion would need from above.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from scipy.optimize import nnls
+from scipy.signal import savgol_filter
+
+from understudy.control.reference import sampled
+from understudy.motion.clip import Clip
+from understudy.motion.rotations import Array
+from understudy.scene import Part, Scene
+
+NEAR_GROUND = 0.02  # A sole point this high [m] or higher bears nothing.
+SMOOTHING = 0.16  # Window of the derivative filter [s].
+
+
+@dataclass(frozen=True)
+class Required:
+    """What a reference needs, at the clip's frames.
+
+    Attributes:
+        joints: Torque at each joint but the root, in the outboard link's frame [N m], shape
+            (frames, links - 1, 3).
+        root: Force [N] (world) and torque [N m] (pelvis frame) at the root that no ground contact
+            explains, shape (frames, 6).
+        ground: Vertical force borne by the ground [N], shape (frames,).
+    """
+
+    joints: Array
+    root: Array
+    ground: Array
+
+
+def accelerations(clip: Clip, velocities: Array) -> Array:
+    """Smoothed time derivative of engine velocities, shape (frames, dofs)."""
+    window = max(3, 2 * round(0.5 * SMOOTHING * clip.rate) + 1)
+    window = min(window, clip.frames - (clip.frames + 1) % 2)
+    if window < 3:
+        return np.zeros_like(velocities)
+    return savgol_filter(velocities, window, 2, deriv=1, delta=1.0 / clip.rate, axis=0)
+
+
+def sole_points(model: mujoco.MjModel, part: Part) -> list[tuple[int, Array]]:
+    """Body and local position [m] of the lowest points of every geom of a part that can touch.
+
+    A sphere gives its bottom in the neutral pose, a capsule the bottoms of its two ends, a box its
+    eight corners, anything else the corners of its bounding box.
+    """
+    points: list[tuple[int, Array]] = []
+    for geom in range(model.ngeom):
+        body = int(model.geom_bodyid[geom])
+        touches = model.geom_contype[geom] & 1 or model.geom_conaffinity[geom] & 1
+        if body not in part.bodies or not touches:
+            continue
+        size, kind = model.geom_size[geom], model.geom_type[geom]
+        turn = np.zeros(9)
+        mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+        turn = turn.reshape(3, 3)
+        center = model.geom_pos[geom]
+        if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
+            points.append((body, center - [0.0, 0.0, size[0]]))
+        elif kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
+            points += [
+                (body, center + sign * size[1] * turn[:, 2] - [0.0, 0.0, size[0]])
+                for sign in (-1.0, 1.0)
+            ]
+        else:
+            half = size if kind == mujoco.mjtGeom.mjGEOM_BOX else model.geom_aabb[geom][3:]
+            corners = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T * half
+            points += [(body, center + turn @ corner) for corner in corners]
+    return points
+
+
+def required(
+    scene: Scene, model: mujoco.MjModel, character: int, clip: Clip, *, contact: bool
+) -> Required:
+    """What `clip`, on the character's skeleton, requires frame by frame.
+
+    Args:
+        scene: Where it happens.
+        model: Its model.
+        character: Which of its characters.
+        clip: The reference.
+        contact: Whether ground contact may explain the root's part.
+    """
+    part = scene.parts[character]
+    reference = sampled(clip, clip.times)
+    velocities = reference.qvel()
+    changes = accelerations(clip, velocities)
+    positions = reference.qpos()
+    quiet = _quiet_copy(model)
+    data = mujoco.MjData(quiet)
+    points = sole_points(model, part) if contact and scene.ground is not None else []
+    friction = scene.ground.friction if scene.ground is not None else 0.0
+    edges = np.array(
+        [[friction, 0, 1], [-friction, 0, 1], [0, friction, 1], [0, -friction, 1]], float
+    )
+    frames, dofs = len(positions), velocities.shape[1]
+    force, borne = np.empty((frames, dofs)), np.zeros(frames)
+    jacobian = np.empty((3, model.nv))
+    for f in range(frames):
+        data.qpos[part.qpos], data.qvel[part.dofs] = positions[f], velocities[f]
+        data.qacc[part.dofs] = changes[f]
+        mujoco.mj_inverse(quiet, data)
+        force[f] = data.qfrc_inverse[part.dofs]
+        columns = []
+        for body, local in points:
+            world = data.xpos[body] + data.xmat[body].reshape(3, 3) @ local
+            weight = np.clip(2.0 - 2.0 * world[2] / NEAR_GROUND, 0.05, 1.0)
+            if world[2] < NEAR_GROUND:
+                mujoco.mj_jac(quiet, data, jacobian, None, world, body)
+                columns.append(weight * edges @ jacobian[:, part.dofs])
+        if columns:
+            effect = np.concatenate(columns).T
+            ridge = 0.05 * np.eye(effect.shape[1])
+            push, _ = nnls(
+                np.concatenate((effect[:6], ridge)),
+                np.concatenate((force[f, :6], np.zeros(len(ridge)))),
+            )
+            force[f] -= effect @ push
+            borne[f] = effect[2] @ push
+    if frames > 7 and points:
+        force = savgol_filter(force, min(7, frames - (frames + 1) % 2), 1, axis=0)
+    return Required(force[:, 6:].reshape(frames, -1, 3), force[:, :6], borne)
+
+
+def _quiet_copy(model: mujoco.MjModel) -> mujoco.MjModel:
+    """The model without contact, limits and servos: its inverse dynamics is the motion's alone."""
+    import copy
+
+    quiet = copy.copy(model)
+    flags = mujoco.mjtDisableBit
+    quiet.opt.disableflags |= int(
+        flags.mjDSBL_CONTACT | flags.mjDSBL_ACTUATION | flags.mjDSBL_LIMIT
+    )
+    return quiet

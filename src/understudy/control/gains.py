@@ -1,0 +1,61 @@
+"""Servo gains from one overall stiffness.
+
+Zordan & Hodgins 1999, section 3: each joint's gain is the character's overall stiffness times the
+moment of inertia of what the joint moves; damping is one tenth of the gain. A leg that stands
+carries the body above it, which its own outboard inertia does not say, so legs get at least what
+standing needs.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from understudy.motion.rotations import Array
+from understudy.scene import Part, Scene
+
+# What standing needs [N m/rad] for 70 kg and 1.75 m: an ankle must exceed m g h of the body above
+# it, 600 to 700 N m/rad (Loram & Lakie 2002 measure 91 % of it in quiet standing).
+STANCE_STIFFNESS = {"hip": 800.0, "knee": 800.0, "ankle": 600.0, "ball": 60.0}
+STANCE_REFERENCE = 70.0 * 9.81 * 1.75
+
+
+def outboard_inertia(model: mujoco.MjModel, part: Part) -> Array:
+    """Moment of inertia of everything outboard of each joint [kg m^2], mean of the three axes.
+
+    Measured about the joint in the model's reference pose; shape (links,), the root's first.
+    """
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    diagonal = np.diag(mass)[part.dofs][3:] - model.dof_armature[part.dofs][3:]
+    return diagonal.reshape(-1, 3).mean(axis=1)
+
+
+def joint_stiffness(scene: Scene, model: mujoco.MjModel, character: int, stiffness: float) -> Array:
+    """Gain of every joint but the root [N m/rad], shape (links - 1,).
+
+    `stiffness` is the overall stiffness [1/s^2]. With ground in the scene the legs get at least
+    `STANCE_STIFFNESS`, scaled by the body's mass, height and gravity.
+    """
+    part, body = scene.parts[character], scene.characters[character]
+    gains = stiffness * outboard_inertia(model, part)[1:]
+    if scene.ground is not None:
+        load = body.mass * abs(scene.gravity) * body.height / STANCE_REFERENCE
+        for i, link in enumerate(body.links[1:]):
+            joint = (link.role or "").partition("_")[2]
+            if joint in STANCE_STIFFNESS:
+                gains[i] = max(gains[i], load * STANCE_STIFFNESS[joint])
+    return gains
+
+
+def set_orientation_gain(model: mujoco.MjModel, actuator: int, k: float, kd: float) -> None:
+    """Write stiffness k [N m/rad] and damping kd [N m s/rad] into an orientation servo."""
+    model.actuator_gainprm[actuator, 0] = k
+    model.actuator_biasprm[actuator, 1:3] = -k, -kd
+
+
+def set_position_gain(model: mujoco.MjModel, actuator: int, k: float, kd: float) -> None:
+    """Write stiffness k [N/m] and damping kd [N s/m] into a position and velocity servo."""
+    model.actuator_biasprm[actuator, 1:3] = -k, -kd

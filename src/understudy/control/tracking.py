@@ -1,0 +1,235 @@
+"""Tracking: servos make the simulated joints follow a clip (Zordan & Hodgins 1999, section 3).
+
+Two laws, both run by the engine's orientation servos:
+
+- `paper`: torque = k (desired - actual) - kd (joint velocity), equation 2, with kd = k / 10. The
+  damping works against the motion itself, so the motion lags by kd / k.
+- `modern`: the damping acts on the difference to the reference velocity, and inverse dynamics of
+  the reference supplies what the motion needs in any case. Both enter through the commanded
+  orientation: a servo of stiffness k and damping kd = T k whose target is turned ahead by
+  T omega + feedforward / k gives torque k (error) + kd (omega - actual) + feedforward. One servo
+  gives the whole torque, so a limit on it limits all of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from understudy.control import gains
+from understudy.control.controller import Controls
+from understudy.control.feedforward import Required, required
+from understudy.control.reference import Sampled, sampled
+from understudy.errors import InvalidValue
+from understudy.motion import rotations as rot
+from understudy.motion.clip import Clip
+from understudy.motion.rotations import Array
+from understudy.scene import Scene
+
+LAWS = ("modern", "paper")
+PELVIS = ("led", "assisted", "free")
+FEEDFORWARDS = ("inverse_dynamics", "none")
+TORQUE_LIMITS = ("off", "human")
+
+# Zordan & Hodgins 1999, section 3: "Damping gains are one-tenth of the corresponding stiffness".
+PAPER_DAMPING_TIME = 0.1
+# Natural frequency of the root servo [rad/s]: a led pelvis follows its path closely; an assisted
+# one gives way, so that the feet carry what they can.
+ROOT_FREQUENCY = {"led": 50.0, "assisted": 12.0, "free": 0.0}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tracking:
+    """Makes one character follow a clip; open loop, so it runs in the fastest gear.
+
+    Attributes:
+        reference: The clip, on the character's own skeleton (see `retargeted`).
+        character: Which of the scene's characters.
+        law: "modern" or "paper".
+        stiffness: Overall stiffness [1/s^2]; a joint's gain is this times its outboard inertia.
+        damping_time: kd / k [s]; by default 0.1 for the paper's law, critical damping
+            2 / sqrt(stiffness) for the modern one.
+        feedforward: "inverse_dynamics" or "none"; the paper's law uses none.
+        pelvis: "led" along its path by a stiff servo, "assisted" by a soft one that leaves to the
+            feet what they can carry, or "free": nothing holds it.
+        root_frequency: Natural frequency of the root servo [rad/s]; by default by `pelvis`.
+        torque_limits: "off", or "human": no joint's servo exceeds the published strength of a
+            person of this sex, mass and height.
+        interpolation: "spline" or "slerp" between frames.
+        captured: The clip as it was read, kept for reports.
+    """
+
+    reference: Clip
+    character: int = 0
+    law: str = "modern"
+    stiffness: float = 3000.0
+    damping_time: float | None = None
+    feedforward: str | None = None
+    pelvis: str = "assisted"
+    root_frequency: float | None = None
+    torque_limits: str = "off"
+    interpolation: str = "spline"
+    captured: Clip | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        for name, valid in (
+            ("law", LAWS),
+            ("pelvis", PELVIS),
+            ("torque_limits", TORQUE_LIMITS),
+            ("feedforward", (None, *FEEDFORWARDS)),
+        ):
+            value = getattr(self, name)
+            if value not in valid:
+                raise InvalidValue(f"{name} is {value!r}; it must be one of {valid}.")
+        if not (np.isfinite(self.stiffness) and 0 < self.stiffness <= 1e7):
+            raise InvalidValue(f"stiffness is {self.stiffness} /s^2; it must lie in 0 to 1e7.")
+        if self.law == "paper" and self.feedforward == "inverse_dynamics":
+            raise InvalidValue("The paper's law has no feedforward; use law='modern'.")
+        for name in ("damping_time", "root_frequency"):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and 0 <= value <= 1e4):
+                raise InvalidValue(f"{name} is {value}; it must be zero or positive.")
+
+    @property
+    def kd_over_k(self) -> float:
+        """Damping over stiffness [s]."""
+        if self.damping_time is not None:
+            return self.damping_time
+        return PAPER_DAMPING_TIME if self.law == "paper" else 2.0 / np.sqrt(self.stiffness)
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What a certificate says about this controller."""
+        return {
+            "law": self.law,
+            "pelvis": self.pelvis,
+            "stiffness": self.stiffness,
+            "damping_time": self.kd_over_k,
+            "feedforward": self._feedforward,
+            "torque_limits": self.torque_limits,
+            "interpolation": self.interpolation,
+        }
+
+    @property
+    def _feedforward(self) -> str:
+        return self.feedforward or ("none" if self.law == "paper" else "inverse_dynamics")
+
+    # -- Controller --------------------------------------------------------------------------
+
+    def configure(self, scene: Scene, model: mujoco.MjModel) -> None:
+        """Write joint and root gains, and torque limits, into the model.
+
+        Raises:
+            InvalidValue: The reference is not on this character's skeleton.
+        """
+        part, body = scene.parts[self.character], scene.characters[self.character]
+        if self.reference.skeleton.names != body.skeleton.names:
+            raise InvalidValue(
+                f"The reference {self.reference.name!r} is not on the skeleton of "
+                f"{body.name!r}; retarget it first."
+            )
+        stiffness = gains.joint_stiffness(scene, model, self.character, self.stiffness)
+        for k, actuator, link in zip(stiffness, part.joint_actuators, body.links[1:], strict=True):
+            gains.set_orientation_gain(model, actuator, k, k * self.kd_over_k)
+            limited = self.torque_limits == "human" and link.torque_limit is not None
+            model.actuator_forcelimited[actuator] = limited
+            if limited:
+                # The engine bounds the length of the torque vector: the strongest axis' limit.
+                model.actuator_forcerange[actuator] = 0.0, float(np.max(link.torque_limit))
+        mass, inertia = self._root_inertia(scene, model)
+        w = self._root_frequency
+        for actuator in part.root_actuators[:3]:
+            gains.set_position_gain(model, actuator, mass * w * w, 2.0 * mass * w)
+        gains.set_orientation_gain(
+            model, part.root_actuators[3], inertia * w * w, 2.0 * inertia * w
+        )
+
+    def start(self, scene: Scene, data: mujoco.MjData) -> None:
+        """Begin in the reference's first pose, at its velocity."""
+        part = scene.parts[self.character]
+        first = sampled(self.reference, np.zeros(1), interpolation=self.interpolation)
+        data.qpos[part.qpos] = first.qpos()[0]
+        data.qvel[part.dofs] = first.qvel()[0]
+
+    def controls(self, scene: Scene, model: mujoco.MjModel, times: Array) -> Controls:
+        """Commanded orientations and root path for every step."""
+        part = scene.parts[self.character]
+        reference = sampled(self.reference, times, interpolation=self.interpolation)
+        ctrl = np.zeros((len(times), model.nu))
+        actuators = list(part.joint_actuators)
+        k = model.actuator_gainprm[actuators, 0]
+        ahead = np.zeros((len(times), len(actuators), 3))
+        if self.law == "modern":
+            ahead += self.kd_over_k * reference.rates[:, 1:]
+        if self._feedforward == "inverse_dynamics":
+            need = self.need(scene, model)
+            ahead += _at(times, self.reference, need.joints) / k[None, :, None]
+        turned = rot.multiply(reference.rotations[:, 1:], rot.from_rotvec(_bounded(ahead)))
+        columns = np.asarray(part.joint_controls, int)[:, None] + np.arange(4)
+        ctrl[:, columns] = turned
+        self._root_controls(scene, model, reference, times, ctrl)
+        return Controls(ctrl)
+
+    def need(self, scene: Scene, model: mujoco.MjModel) -> Required:
+        """Inverse dynamics of the reference; a led pelvis bears whatever the ground would."""
+        key = (id(scene), model.opt.timestep)
+        if key not in self._needs:
+            contact = self.pelvis != "led"
+            self._needs[key] = required(
+                scene, model, self.character, self.reference, contact=contact
+            )
+        return self._needs[key]
+
+    # -- details -----------------------------------------------------------------------------
+
+    @cached_property
+    def _needs(self) -> dict[Any, Required]:
+        return {}
+
+    @property
+    def _root_frequency(self) -> float:
+        given = self.root_frequency
+        return ROOT_FREQUENCY[self.pelvis] if given is None else given
+
+    def _root_inertia(self, scene: Scene, model: mujoco.MjModel) -> tuple[float, float]:
+        part = scene.parts[self.character]
+        mass = float(sum(model.body_mass[b] for b in part.bodies))
+        return mass, float(gains.outboard_inertia(model, part)[0])
+
+    def _root_controls(
+        self, scene: Scene, model: mujoco.MjModel, reference: Sampled, times: Array, ctrl: Array
+    ) -> None:
+        part = scene.parts[self.character]
+        address = list(part.root_controls)
+        positions, ahead = reference.positions.copy(), np.zeros((len(times), 3))
+        if self.pelvis != "free" and self._root_frequency > 0:
+            ahead += reference.rates[:, 0] * (2.0 / self._root_frequency)
+            if self._feedforward == "inverse_dynamics" and self.pelvis == "led":
+                force = _at(times, self.reference, self.need(scene, model).root)
+                mass, inertia = self._root_inertia(scene, model)
+                w2 = self._root_frequency**2
+                positions += force[:, :3] / (mass * w2)
+                ahead += force[:, 3:] / (inertia * w2)
+        ctrl[:, address[0:6:2]] = positions
+        ctrl[:, address[1:6:2]] = reference.velocities
+        ctrl[:, address[6:]] = rot.multiply(
+            reference.rotations[:, 0], rot.from_rotvec(_bounded(ahead))
+        )
+
+
+def _at(times: Array, clip: Clip, values: Array) -> Array:
+    """Frame values interpolated linearly to `times`."""
+    frame = np.clip(times * clip.rate, 0.0, clip.frames - 1)
+    k = np.minimum(frame.astype(int), max(clip.frames - 2, 0))
+    w = (frame - k).reshape(-1, *[1] * (values.ndim - 1))
+    return values[k] * (1.0 - w) + values[np.minimum(k + 1, clip.frames - 1)] * w
+
+
+def _bounded(ahead: Array) -> Array:
+    """Rotation vectors shortened to just under half a turn, where the servo's error ends."""
+    length = np.linalg.norm(ahead, axis=-1, keepdims=True)
+    return ahead * np.minimum(1.0, 0.95 * np.pi / np.maximum(length, 1e-12))

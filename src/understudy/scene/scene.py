@@ -1,0 +1,158 @@
+"""A scene: one or more characters, the ground and props, compiled to one model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Protocol
+
+import mujoco
+import numpy as np
+
+from understudy.character import Character
+from understudy.errors import InvalidValue
+from understudy.scene.ground import Ground
+
+
+class Prop(Protocol):
+    """Anything that adds itself to a scene being built: a drum, a staff, a slope."""
+
+    def attach(self, spec: mujoco.MjSpec) -> None:
+        """Add bodies, geoms and sensors to `spec`, under names of the prop's own."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """Where one character lives in the arrays of a scene's model.
+
+    Attributes:
+        prefix: Put before its names in the model; empty for the first character.
+        qpos: Its slice of qpos: root position (3), then one quaternion per link.
+        dofs: Its slice of qvel: root velocity (3, world), then 3 per link (link frame).
+        bodies: Body id of each link, in link order.
+        joint_controls: Address of the quaternion control of each joint but the root, in link order.
+        joint_actuators: Actuator id of each joint but the root.
+        root_controls: Addresses of the root servo's controls: x, vx, y, vy, z, vz, then the
+            quaternion.
+        root_actuators: Actuator ids of the root servo: x, y, z, rotation.
+    """
+
+    prefix: str
+    qpos: slice
+    dofs: slice
+    bodies: tuple[int, ...]
+    joint_controls: tuple[int, ...]
+    joint_actuators: tuple[int, ...]
+    root_controls: tuple[int, ...]
+    root_actuators: tuple[int, ...]
+
+
+def timestep_for(rate: float, *, near: float = 0.002) -> float:
+    """The step nearest `near` [s] that divides the frame period of a clip at `rate` [Hz]."""
+    return 1.0 / (rate * max(1, round(1.0 / (rate * near))))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """Characters, ground and props; no time.
+
+    Attributes:
+        characters: At least one. The first keeps its names in the model; the others' are prefixed
+            "b/", "c/" and so on.
+        ground: The floor, or None for free space.
+        props: Things that attach themselves.
+        timestep: Physics step [s].
+        gravity: Downward acceleration [m/s^2].
+        self_collision: Which of a character's own link pairs collide; see `Character.spec`.
+    """
+
+    characters: tuple[Character, ...]
+    ground: Ground | None = field(default_factory=Ground)
+    props: tuple[Prop, ...] = ()
+    timestep: float = 0.002
+    gravity: float = 9.81
+    self_collision: str = "none"
+
+    def __post_init__(self) -> None:
+        characters = self.characters
+        if isinstance(characters, Character):
+            characters = (characters,)
+        object.__setattr__(self, "characters", tuple(characters))
+        object.__setattr__(self, "props", tuple(self.props))
+        if not self.characters:
+            raise InvalidValue("A scene needs at least one character.")
+        if len(self.characters) > 24:
+            raise InvalidValue(f"{len(self.characters)} characters; a scene holds at most 24.")
+        if not 1e-5 <= self.timestep <= 0.05:
+            raise InvalidValue(f"timestep is {self.timestep} s; it must lie in 1e-5 to 0.05.")
+        if not np.isfinite(self.gravity):
+            raise InvalidValue(f"gravity is {self.gravity}; it must be a finite number.")
+
+    def prefix(self, character: int = 0) -> str:
+        """Name prefix of a character in the model."""
+        return "" if character == 0 else f"{chr(ord('a') + character)}/"
+
+    def spec(self) -> mujoco.MjSpec:
+        """A fresh, editable MuJoCo specification of the whole scene."""
+        spec = self.characters[0].spec(self_collision=self.self_collision)
+        for k, character in enumerate(self.characters[1:], 1):
+            child = character.spec(self_collision=self.self_collision)
+            spec.attach(child, prefix=self.prefix(k), frame=spec.worldbody.add_frame())
+        if self.ground is not None:
+            self.ground.attach(spec)
+        for prop in self.props:
+            prop.attach(spec)
+        option = spec.option
+        option.timestep = self.timestep
+        option.gravity = [0.0, 0.0, -self.gravity]
+        # Euler does not take the servos' damping implicitly; the sparse Newton solver of MuJoCo
+        # 4.0.0 can have a wrong Hessian; a contact stiffer than two steps is clamped anyway.
+        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        return spec
+
+    @cached_property
+    def model(self) -> mujoco.MjModel:
+        """The compiled model; treat it as read-only and copy it to change it.
+
+        Raises:
+            InvalidValue: The engine refuses the scene; the text is its reason.
+        """
+        try:
+            return self.spec().compile()
+        except ValueError as error:
+            raise InvalidValue(f"The engine refuses this scene: {error}") from error
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Where each character lives in the model's arrays."""
+        return tuple(self._part(k) for k in range(len(self.characters)))
+
+    def _part(self, k: int) -> Part:
+        model, character, prefix = self.model, self.characters[k], self.prefix(k)
+
+        def ids(kind: mujoco.mjtObj, names: Iterable[str]) -> tuple[int, ...]:
+            return tuple(mujoco.mj_name2id(model, kind, prefix + name) for name in names)
+
+        links = character.links
+        root = links[0].joint
+        joints = ids(mujoco.mjtObj.mjOBJ_JOINT, ["root_x", root])
+        qpos, dofs = int(model.jnt_qposadr[joints[0]]), int(model.jnt_dofadr[joints[0]])
+        servos = ids(mujoco.mjtObj.mjOBJ_ACTUATOR, [link.joint for link in links[1:]])
+        drives = ids(mujoco.mjtObj.mjOBJ_ACTUATOR, ["root_x", "root_y", "root_z", "root"])
+        address = model.actuator_ctrladr
+        return Part(
+            prefix=prefix,
+            qpos=slice(qpos, qpos + 3 + 4 * len(links)),
+            dofs=slice(dofs, dofs + 3 + 3 * len(links)),
+            bodies=ids(mujoco.mjtObj.mjOBJ_BODY, [link.name for link in links]),
+            joint_controls=tuple(int(address[a]) for a in servos),
+            joint_actuators=servos,
+            root_controls=tuple(
+                int(address[a]) + i
+                for a, n in zip(drives, (2, 2, 2, 4), strict=True)
+                for i in range(n)
+            ),
+            root_actuators=drives,
+        )

@@ -1,0 +1,487 @@
+"""Performance -> Take: the only place that steps the engine.
+
+Three gears, the fastest the controllers allow:
+
+1. every controller is open loop: one block of controls, run by `mujoco.rollout`;
+2. some are compiled laws: one numba loop calls the laws and the engine's `mj_step1`, `mj_step2`;
+3. some are Python functions: asked once per period, the engine runs in between.
+
+All three give the same states for the same controls.
+"""
+
+from __future__ import annotations
+
+import copy
+import ctypes
+import functools
+import os
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import mujoco.rollout
+import numpy as np
+from tqdm import tqdm
+
+from understudy.character import Character
+from understudy.control import Compiled, Controls, OpenLoop, PythonController
+from understudy.errors import Diverged, InvalidValue
+from understudy.motion.clip import Clip
+from understudy.motion.rotations import Array
+from understudy.performance import Performance, tracked
+from understudy.take import Take
+
+CHUNK = 512  # Steps per engine call: long enough to cost nothing, short enough to show progress.
+_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+_BAD = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
+
+
+def prepared(performance: Performance) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """The model with every controller's gains, and the first state."""
+    model = copy.copy(performance.scene.model)
+    for controller in performance.controllers:
+        controller.configure(performance.scene, model)
+    data = mujoco.MjData(model)
+    for controller in performance.controllers:
+        controller.start(performance.scene, data)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def open_loop_controls(performance: Performance, model: mujoco.MjModel) -> Controls:
+    """The sum of what the open-loop controllers ask for, one row per step."""
+    steps = performance.steps
+    times = np.arange(steps) * performance.scene.timestep
+    ctrl, applied = np.zeros((steps, model.nu)), None
+    for controller in performance.controllers:
+        if isinstance(controller, OpenLoop):
+            block = controller.controls(performance.scene, model, times)
+            ctrl += block.ctrl
+            if block.applied is not None:
+                applied = block.applied if applied is None else applied + block.applied
+    return Controls(ctrl, applied)
+
+
+def simulate(performance: Performance, *, progress: bool = False) -> Take:
+    """Run a performance.
+
+    Args:
+        performance: What to run.
+        progress: Show a progress bar on standard error.
+
+    Returns:
+        The take, one frame per step and the first state.
+
+    Raises:
+        Diverged: A state went bad. Carries the time, the link, and the take up to then.
+        InvalidValue: A controller is of no known kind.
+    """
+    started = clock.process_time()
+    model, data = prepared(performance)
+    feedback = []
+    for controller in performance.controllers:
+        if isinstance(controller, PythonController | Compiled):
+            feedback.append(controller)
+        elif not isinstance(controller, OpenLoop):
+            raise InvalidValue(f"{type(controller).__name__} is not a controller.")
+    block = open_loop_controls(performance, model)
+    states = np.empty((performance.steps + 1, mujoco.mj_stateSize(model, _STATE)))
+    mujoco.mj_getState(model, data, states[0], _STATE)
+    ctrl, applied = block.ctrl, block.applied
+    if feedback and applied is None:
+        applied = np.zeros((performance.steps, model.nv))
+    if not feedback:
+        run = _rollout(model, data, ctrl, applied, states)
+    elif all(isinstance(controller, Compiled) for controller in feedback):
+        run = _compiled(performance, model, data, feedback, ctrl, applied, states)
+    else:
+        run = _stepped(performance, model, data, feedback, ctrl, applied, states)
+    done, bad = 0, False
+    with (
+        _quiet(),
+        tqdm(
+            total=performance.steps, unit="step", delay=2.0, disable=not progress, leave=False
+        ) as bar,
+    ):
+        for done in run:
+            bar.update(done - bar.n)
+            bad = any(data.warning[kind].number for kind in _BAD)
+            if bad or not np.isfinite(states[done]).all():
+                bad = True
+                break
+    good = _good(states, done) if bad else performance.steps + 1
+    take = _take(performance, model, states[:good], ctrl, applied)
+    take.facts["cpu_seconds"] = clock.process_time() - started
+    if bad:
+        raise _diverged(model, take)
+    return take
+
+
+def track(clip: Clip, character: Character, *, progress: bool = False, **settings: Any) -> Take:
+    """Make a character perform a clip: `simulate(tracked(clip, character, ...))`.
+
+    Args:
+        clip: Any clip; it is repaired, retargeted and set on the ground first.
+        character: Any character.
+        progress: Show a progress bar on standard error.
+        settings: See `understudy.performance.tracked`.
+
+    Raises:
+        Diverged: The simulation blew up; carries the take up to then.
+    """
+    return simulate(tracked(clip, character, **settings), progress=progress)
+
+
+def simulate_many(
+    performances: Sequence[Performance], *, threads: int | None = None
+) -> list[Take | Diverged]:
+    """Run several open-loop performances as one batch on all cores.
+
+    Every take is bitwise what `simulate` gives, on any number of threads.
+
+    Args:
+        performances: Open-loop performances of scenes with the same model sizes and duration.
+        threads: Engine threads; all cores by default.
+
+    Returns:
+        In the order given, a take, or the `Diverged` of a run that went bad.
+
+    Raises:
+        InvalidValue: A performance is not open loop, or their sizes differ.
+    """
+    if not performances:
+        return []
+    if any(not isinstance(c, OpenLoop) for p in performances for c in p.controllers):
+        raise InvalidValue("Only open-loop performances run as a batch.")
+    started = clock.process_time()
+    ready = [prepared(p) for p in performances]
+    models = [model for model, _ in ready]
+    blocks = [open_loop_controls(p, m) for p, m in zip(performances, models, strict=True)]
+    sizes = {(m.nq, m.nv, m.nu, len(b.ctrl)) for m, b in zip(models, blocks, strict=True)}
+    if len(sizes) > 1:
+        raise InvalidValue("A batch needs models of the same sizes and runs of the same length.")
+    steps, nstate = len(blocks[0].ctrl), mujoco.mj_stateSize(models[0], _STATE)
+    states = np.empty((len(models), steps + 1, nstate))
+    for (model, data), row in zip(ready, states, strict=True):
+        mujoco.mj_getState(model, data, row[0], _STATE)
+    forced = any(block.applied is not None for block in blocks)
+    spec = int(mujoco.mjtState.mjSTATE_CTRL)
+    controls = np.stack([block.ctrl for block in blocks])
+    if forced:
+        spec |= int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+        zeros = np.zeros((steps, models[0].nv))
+        forces = np.stack([zeros if b.applied is None else b.applied for b in blocks])
+        controls = np.concatenate((controls, forces), axis=2)
+    pool = [
+        mujoco.MjData(models[0]) for _ in range(min(threads or os.cpu_count() or 1, len(models)))
+    ]
+    with _quiet():
+        record = states[:, 1:].copy()
+        mujoco.rollout.rollout(
+            models,
+            pool,
+            states[:, 0],
+            controls,
+            control_spec=spec,
+            initial_warmstart=np.stack([data.qacc_warmstart for _, data in ready]),
+            state=record,
+            nstep=steps,
+        )
+    states[:, 1:] = record
+    out: list[Take | Diverged] = []
+    for performance, model, block, row in zip(performances, models, blocks, states, strict=True):
+        good = _good(row, steps) if _went_bad(row) else steps + 1
+        take = _take(performance, model, row[:good], block.ctrl, block.applied)
+        take.facts["cpu_seconds"] = (clock.process_time() - started) / len(performances)
+        if good <= steps:
+            out.append(_diverged(model, take))
+        else:
+            out.append(take)
+    return out
+
+
+def _went_bad(states: Array) -> bool:
+    time = states[:, 0]
+    return not np.isfinite(states).all() or bool((np.diff(time) <= 0.0).any())
+
+
+def _diverged(model: mujoco.MjModel, take: Take) -> Diverged:
+    """The error that carries a partial take."""
+    moment = float(take.times[-1])
+    partial = replace(take, diverged=moment)
+    return Diverged(moment, _worst(model, take.qvel[-1]), partial)
+
+
+def _rollout(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    ctrl: Array,
+    applied: Array | None,
+    states: Array,
+) -> Iterator[int]:
+    """Gear 1: yield the number of steps done after each chunk."""
+    spec = int(mujoco.mjtState.mjSTATE_CTRL)
+    controls = ctrl
+    if applied is not None:
+        spec |= int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+        controls = np.concatenate((ctrl, applied), axis=1)
+    warmstart = data.qacc_warmstart.copy()[None]
+    steps = len(ctrl)
+    for first in range(0, steps, CHUNK):
+        last = min(first + CHUNK, steps)
+        mujoco.rollout.rollout(
+            model,
+            data,
+            states[first : first + 1],
+            controls[None, first:last],
+            control_spec=spec,
+            initial_warmstart=warmstart,
+            state=states[None, first + 1 : last + 1],
+            nstep=last - first,
+        )
+        warmstart = data.qacc_warmstart.copy()[None]
+        yield last
+
+
+def _stepped(
+    performance: Performance,
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    feedback: list[Any],
+    ctrl: Array,
+    applied: Array | None,
+    states: Array,
+) -> Iterator[int]:
+    """Gear 3: Python functions once per period; compiled laws run uncompiled beside them."""
+    assert applied is not None
+    dt = performance.scene.timestep
+    functions: list[tuple[Callable[[float, mujoco.MjData], None], int]] = []
+    for controller in feedback:
+        if isinstance(controller, PythonController):
+            functions.append((controller.function, max(1, round(controller.period / dt))))
+        else:
+            functions.append((_as_function(controller, performance, model), 1))
+    held_ctrl = [np.full(model.nu, np.nan) for _ in functions]
+    held_applied = [np.full(model.nv, np.nan) for _ in functions]
+    for step in range(len(ctrl)):
+        mujoco.mj_step1(model, data)
+        for i, (function, every) in enumerate(functions):
+            data.ctrl[:], data.qfrc_applied[:] = ctrl[step], applied[step]
+            if step % every == 0:
+                function(step * dt, data)
+                held_ctrl[i] = np.where(data.ctrl != ctrl[step], data.ctrl, np.nan)
+                held_applied[i] = np.where(
+                    data.qfrc_applied != applied[step], data.qfrc_applied, np.nan
+                )
+            ctrl[step] = np.where(np.isnan(held_ctrl[i]), ctrl[step], held_ctrl[i])
+            applied[step] = np.where(np.isnan(held_applied[i]), applied[step], held_applied[i])
+        data.ctrl[:], data.qfrc_applied[:] = ctrl[step], applied[step]
+        mujoco.mj_step2(model, data)
+        mujoco.mj_getState(model, data, states[step + 1], _STATE)
+        if (step + 1) % CHUNK == 0 or step + 1 == len(ctrl):
+            yield step + 1
+
+
+def _as_function(
+    controller: Compiled, performance: Performance, model: mujoco.MjModel
+) -> Callable[[float, mujoco.MjData], None]:
+    law, parameters, memory = controller.law(performance.scene, model)
+    law = getattr(law, "py_func", law)
+
+    def function(time: float, data: mujoco.MjData) -> None:
+        law(
+            time,
+            data.qpos,
+            data.qvel,
+            data.xpos,
+            data.cvel,
+            data.ctrl,
+            data.qfrc_applied,
+            parameters,
+            memory,
+        )
+
+    return function
+
+
+@functools.cache
+def _engine_steps() -> tuple[Any, Any]:
+    """The engine's `mj_step1` and `mj_step2` as C functions of two addresses."""
+    folder = Path(mujoco.__path__[0])
+    patterns = ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll")
+    path = next(path for pattern in patterns for path in sorted(folder.glob(pattern)))
+    library = ctypes.CDLL(str(path))
+    for function in (library.mj_step1, library.mj_step2):
+        function.argtypes, function.restype = [ctypes.c_void_p, ctypes.c_void_p], None
+    return library.mj_step1, library.mj_step2
+
+
+@functools.cache
+def _compiled_loop(law: Any) -> Any:
+    """One numba loop around a law and the engine; it holds no lock, so threads run in parallel."""
+    import numba
+
+    step1, step2 = _engine_steps()
+
+    @numba.njit(nogil=True)
+    def loop(model, data, first, last, dt, arrays, parameters, memory, ctrl, applied, out):  # type: ignore[no-untyped-def]
+        qpos, qvel, xpos, cvel, act, control, force = arrays
+        nq, nv, na = qpos.size, qvel.size, act.size
+        for step in range(first, last):
+            step1(model, data)
+            law(step * dt, qpos, qvel, xpos, cvel, ctrl[step], applied[step], parameters, memory)
+            control[:] = ctrl[step]
+            force[:] = applied[step]
+            step2(model, data)
+            out[step + 1, 0] = (step + 1) * dt
+            out[step + 1, 1 : 1 + nq] = qpos
+            out[step + 1, 1 + nq : 1 + nq + nv] = qvel
+            out[step + 1, 1 + nq + nv : 1 + nq + nv + na] = act
+
+    return loop
+
+
+@functools.cache
+def _in_sequence(laws: tuple[Any, ...]) -> Any:
+    """Several laws as one, each with its own stretch of parameters and memory."""
+    import numba
+
+    first, rest = laws[0], laws[1:]
+    if not rest:
+
+        @numba.njit
+        def last_law(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
+            first(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters[0], memory[0])
+
+        return last_law
+    following = _in_sequence(rest)
+
+    @numba.njit
+    def law(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
+        first(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters[0], memory[0])
+        following(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters[1:], memory[1:])
+
+    return law
+
+
+def _compiled(
+    performance: Performance,
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    feedback: list[Any],
+    ctrl: Array,
+    applied: Array | None,
+    states: Array,
+) -> Iterator[int]:
+    """Gear 2: laws and engine in one compiled loop."""
+    parts = [controller.law(performance.scene, model) for controller in feedback]
+    loop = _compiled_loop(_in_sequence(tuple(law for law, _, _ in parts)))
+    parameters = tuple(np.ascontiguousarray(p, float) for _, p, _ in parts)
+    memory = tuple(np.array(m, float) for _, _, m in parts)
+    arrays = (
+        data.qpos,
+        data.qvel,
+        data.xpos,
+        data.cvel,
+        data.act,
+        data.ctrl,
+        data.qfrc_applied,
+    )
+    address = (model._address, data._address)
+    for first in range(0, len(ctrl), CHUNK):
+        last = min(first + CHUNK, len(ctrl))
+        loop(
+            *address,
+            first,
+            last,
+            performance.scene.timestep,
+            arrays,
+            parameters,
+            memory,
+            ctrl,
+            applied,
+            states,
+        )
+        yield last
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep the engine from printing warnings and writing its log: the take says what happened."""
+    previous = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda _: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(previous)
+
+
+def _good(states: Array, done: int) -> int:
+    """Number of leading states before the run went bad (at least the first).
+
+    The engine resets a state that went bad, and a rollout repeats its last record; both show as
+    time that does not advance.
+    """
+    part = states[: done + 1]
+    time = part[:, 0]
+    stalled = np.flatnonzero(np.diff(time) <= 0.0)
+    wild = np.flatnonzero(~(np.isfinite(part).all(axis=1) & (np.abs(part) < 1e8).all(axis=1)))
+    last = min([done, *(int(i) for i in stalled[:1]), *(int(i) - 1 for i in wild[:1])])
+    return max(1, last)
+
+
+def _worst(model: mujoco.MjModel, qvel: Array) -> str:
+    """Name of the link that moved fastest when the run went bad."""
+    if not len(qvel):
+        return "the scene"
+    body = model.dof_bodyid[int(np.argmax(np.abs(qvel)))]
+    return mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, int(body)) or f"body {body}"
+
+
+def _take(
+    performance: Performance,
+    model: mujoco.MjModel,
+    states: Array,
+    ctrl: Array,
+    applied: Array | None,
+) -> Take:
+    frames, nq, nv = len(states), model.nq, model.nv
+
+    def held(array: Array) -> Array:
+        """One row per frame: the last control stands for the last frame too."""
+        if not len(array):
+            return np.zeros((frames, array.shape[1]))
+        return array[np.minimum(np.arange(frames), len(array) - 1)]
+
+    references: list[Any] = [None] * len(performance.scene.characters)
+    captured: list[Any] = [None] * len(performance.scene.characters)
+    facts: dict[str, Any] = {}
+    for controller in performance.controllers:
+        which = getattr(controller, "character", None)
+        if isinstance(which, int):
+            references[which] = getattr(controller, "reference", None)
+            captured[which] = getattr(controller, "captured", None)
+        facts |= getattr(controller, "facts", {})
+    return Take(
+        scene=performance.scene,
+        performance=performance,
+        model=model,
+        rate=1.0 / performance.scene.timestep,
+        times=np.arange(frames) * performance.scene.timestep,
+        qpos=states[:, 1 : 1 + nq],
+        qvel=states[:, 1 + nq : 1 + nq + nv],
+        ctrl=held(ctrl),
+        qfrc_applied=np.broadcast_to(0.0, (frames, nv)) if applied is None else held(applied),
+        references=tuple(references),
+        captured=tuple(captured),
+        seed=performance.seed,
+        facts=facts,
+    )

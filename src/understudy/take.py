@@ -1,0 +1,128 @@
+"""What happened: states, controls and time of one performance; turns back into a clip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from understudy.errors import InvalidValue
+from understudy.motion.clip import Clip
+from understudy.motion.rotations import Array
+from understudy.performance import Performance
+from understudy.scene import Scene
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Take:
+    """The record of a simulation, one frame per physics step and the first state.
+
+    Attributes:
+        scene: Where it happened.
+        performance: What was asked for; None for a take read from disk.
+        model: The model with the gains the controllers set.
+        rate: Frames per second [Hz], the inverse of the time step.
+        times: Time of each frame [s], shape (frames,).
+        qpos: Positions, shape (frames, nq); see `Part` for each character's slice.
+        qvel: Velocities, shape (frames, nv).
+        ctrl: Control applied from each frame to the next, shape (frames, nu); the last row is a
+            copy of the one before.
+        qfrc_applied: Generalized forces applied besides the servos [N, N m], shape (frames, nv).
+        references: The tracked clip of each character, on its own skeleton, or None.
+        captured: The clip of each character as it was read, or None.
+        seed: Seed of the performance.
+        diverged: Time of divergence [s], or None.
+        facts: Plain values worth keeping (law, pelvis, CPU seconds, ...), JSON-able.
+    """
+
+    scene: Scene
+    model: mujoco.MjModel = field(repr=False)
+    performance: Performance | None = field(default=None, repr=False)
+    rate: float
+    times: Array = field(repr=False)
+    qpos: Array = field(repr=False)
+    qvel: Array = field(repr=False)
+    ctrl: Array = field(repr=False)
+    qfrc_applied: Array = field(repr=False)
+    references: tuple[Clip | None, ...] = field(default=(), repr=False)
+    captured: tuple[Clip | None, ...] = field(default=(), repr=False)
+    seed: int = 0
+    diverged: float | None = None
+    facts: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        frames = len(self.times)
+        for name in ("times", "qpos", "qvel", "ctrl", "qfrc_applied"):
+            array = np.asarray(getattr(self, name), float)
+            if len(array) != frames:
+                raise InvalidValue(f"{name} has {len(array)} frames; times has {frames}.")
+            if array.flags.writeable:
+                array = array.view()
+                array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        for name in ("references", "captured"):
+            values = tuple(getattr(self, name)) or (None,) * len(self.scene.characters)
+            object.__setattr__(self, name, values)
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return len(self.times)
+
+    @property
+    def duration(self) -> float:
+        """Simulated time [s]."""
+        return float(self.times[-1] - self.times[0])
+
+    def stride(self, rate: float | None) -> int:
+        """Frames from one sample to the next at `rate` [Hz] or the nearest that divides evenly."""
+        if rate is None:
+            return 1
+        if not (np.isfinite(rate) and rate > 0):
+            raise InvalidValue(f"rate is {rate} Hz; it must be positive.")
+        return max(1, round(self.rate / rate))
+
+    def clip(self, character: int = 0, *, rate: float | None = None) -> Clip:
+        """The simulated motion as a clip on the character's skeleton.
+
+        Args:
+            character: Which of the scene's characters.
+            rate: Frames per second [Hz]; by default that of the tracked clip. The nearest rate that
+                divides the take's evenly is used, so every frame is a simulated state.
+        """
+        reference = self.references[character]
+        if rate is None and reference is not None:
+            rate = reference.rate
+        every = self.stride(rate)
+        part = self.scene.parts[character]
+        state = self.qpos[::every, part.qpos]
+        body = self.scene.characters[character]
+        return Clip(
+            skeleton=body.skeleton,
+            rotations=state[:, 3:].reshape(len(state), -1, 4),
+            root_positions=state[:, :3],
+            rate=self.rate / every,
+            name=f"{reference.name}_sim" if reference is not None else body.name,
+            synthetic=True,
+            notes=("Simulated motion.",),
+        )
+
+    def poses(self, rate: float | None = None) -> tuple[Array, Array, Array]:
+        """World poses of every body of the model.
+
+        Returns:
+            Times [s] (frames,), body positions [m] (frames, bodies, 3) and body orientations wxyz
+            (frames, bodies, 4).
+        """
+        every = self.stride(rate)
+        states = self.qpos[::every]
+        data = mujoco.MjData(self.model)
+        placed = np.empty((len(states), self.model.nbody, 3))
+        turned = np.empty((len(states), self.model.nbody, 4))
+        for k, state in enumerate(states):
+            data.qpos[:] = state
+            mujoco.mj_kinematics(self.model, data)
+            placed[k], turned[k] = data.xpos, data.xquat
+        return self.times[::every], placed, turned
