@@ -39,7 +39,9 @@ class Options(Reading):
     trim: Annotated[str | None, arg(metavar="START:END", help_behavior_hint="(seconds)")] = None
     mirror: bool = False
     speed: Annotated[float, arg(metavar="TIMES")] = 1.0
-    resample: Annotated[float | None, arg(metavar="HZ", help_behavior_hint="(default: none)")] = None
+    resample: Annotated[float | None, arg(metavar="HZ", help_behavior_hint="(default: none)")] = (
+        None
+    )
     json: bool = False
 
 

@@ -44,7 +44,7 @@ def plain(value: Any) -> Any:
 
 
 def table(rows: Sequence[Sequence[str]], *, right: Sequence[int] = ()) -> str:
-    """Rows of cells as aligned columns; the first row is the head, `right` names numeric columns."""
+    """Rows of cells as aligned columns: the first row is the head, `right` the numeric columns."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     lines = []
     for row in rows:

@@ -1,0 +1,155 @@
+"""One clip performed: read, simulated, scored, and every file written, or none.
+
+Files are made in a folder of their own and moved into place when all of them exist, so a run that
+fails or is interrupted leaves what was there before untouched.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from understudy.app.body import Body, character_for
+from understudy.app.reading import Reading, clip_from
+from understudy.errors import Diverged, UnderstudyError
+
+if TYPE_CHECKING:
+    from understudy.motion.clip import Clip
+    from understudy.take import Take
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """One clip to perform.
+
+    Attributes:
+        clip: What was typed: a file or a sample.
+        name: Stem of the files to make.
+        folder: Where they go.
+        reading: How to read it.
+        body: Who performs it.
+        settings: Keyword arguments of `understudy.track`.
+        kinds: Endings of the optional files wanted: ".mp4", ".png".
+    """
+
+    clip: str
+    name: str
+    folder: Path
+    reading: Reading
+    body: Body
+    settings: dict[str, Any] = field(default_factory=dict)
+    kinds: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """What became of one job; plain values only, so that it crosses processes.
+
+    Attributes:
+        clip: What was typed.
+        name: Stem of the files.
+        error: One line, or None.
+        status: Exit status this clip alone would give.
+        certificate: The score as JSON has it; empty after an error.
+        files: Kind of file to its path.
+        notes: What the reader detected or changed.
+        seconds: Wall time [s].
+    """
+
+    clip: str
+    name: str
+    error: str | None = None
+    status: int = 0
+    certificate: dict[str, Any] = field(default_factory=dict)
+    files: dict[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    seconds: float = 0.0
+
+
+def attempted(job: Job) -> Row:
+    """`performed`, with anything it raises turned into the row's error."""
+    from understudy.app.main import explained
+
+    try:
+        return performed(job)
+    except Exception as error:
+        message, status = explained(error)
+        files = _kept(job, error.take) if isinstance(error, Diverged) else {}
+        return Row(clip=job.clip, name=job.name, error=message, status=status, files=files)
+
+
+def performed(job: Job) -> Row:
+    """Read, simulate, score and write one clip.
+
+    Raises:
+        UnderstudyError: As its subclasses say; nothing was written.
+    """
+    import understudy as us
+
+    started = time.monotonic()
+    clip = clip_from(job.clip, job.reading)
+    character = character_for(clip, job.body)
+    take = us.track(clip, character, **job.settings)
+    score = us.score(take)
+    with staged(job.folder, job.name) as (folder, files):
+        write_all(take, clip, folder, job)
+    return Row(
+        clip=job.clip,
+        name=job.name,
+        certificate=score.certificate(),
+        files=files,
+        notes=clip.notes,
+        seconds=time.monotonic() - started,
+    )
+
+
+def write_all(take: Take, clip: Clip, folder: Path, job: Job) -> None:
+    """Every file of one take, into `folder`."""
+    raise NotImplementedError
+
+
+@contextmanager
+def staged(folder: Path, name: str) -> Iterator[tuple[Path, dict[str, str]]]:
+    """A temporary folder inside `folder`, whose files move into `folder` when the block succeeds.
+
+    Yields the temporary folder and a mapping, filled at the end, of each file's ending to its path.
+
+    Raises:
+        UnderstudyError: The folder cannot be made or written.
+    """
+    made = not folder.exists()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=f".{name[:40]}-", dir=folder) as inside:
+            files: dict[str, str] = {}
+            yield Path(inside), files
+            for made_file in sorted(Path(inside).iterdir()):
+                final = folder / made_file.name
+                made_file.replace(final)
+                files[made_file.name.removeprefix(name).lstrip("._")] = str(final)
+    except (FileExistsError, NotADirectoryError) as error:
+        raise UnderstudyError(f"{error.filename}: is a file; --out needs a folder.") from None
+    except PermissionError as error:
+        raise UnderstudyError(f"{error.filename}: {error.strerror}.") from None
+    finally:
+        if made and folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def _kept(job: Job, take: Take | None) -> dict[str, str]:
+    """Write a take that diverged, up to then, beside where its files would be."""
+    import understudy as us
+
+    if take is None:
+        return {}
+    path = job.folder / f"{job.name}_until_{take.duration:.2f}s.take.npz"
+    try:
+        us.write(take, path)
+    except UnderstudyError:
+        return {}
+    return {"take.npz": str(path)}

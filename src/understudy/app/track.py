@@ -1,0 +1,223 @@
+"""`understudy track`: a simulated body performs one clip or many."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from tyro.conf import Positional, arg
+
+from understudy.app.body import Body, check_body
+from understudy.app.outcome import Outcome, table
+from understudy.app.performing import Job, Row, attempted
+from understudy.app.reading import Reading, stem
+from understudy.app.workers import each
+from understudy.errors import InvalidValue
+
+EXAMPLE = """\
+  understudy track sample:gesture
+  understudy track *.bvh --out out --jobs 2 --json > scores.json
+  understudy track walk.bvh --character child --law paper --video"""
+
+HELP_FROM_ABOVE = """\
+help: outside force on the pelvis, mean and peak, in % of body weight. 0 means that nothing but
+contact holds the body. More means that this body, this way, needs a hand from above; a led
+pelvis always does."""
+
+_DIED = "its process died, perhaps for lack of memory; trim the clip or lower --jobs."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(Body, Reading):
+    """Make a simulated body perform motion clips, and report how well it did.
+
+    For each clip: NAME_sim.bvh (on the clip's own skeleton), NAME_sim.glb, NAME.take.npz,
+    NAME.html (report) and NAME.json (certificate). A clip that fails changes no file and stops no
+    other.
+
+    Attributes:
+        clips: Motion files, or samples as sample:NAME.
+        law: modern (follows without lag) or paper (Zordan & Hodgins 1999).
+        pelvis: led along its path, assisted softly, or free.
+        stiffness: Servo stiffness per inertia [1/s^2].
+        torque_limits: Bound every joint by human strength, or not.
+        seed: Seed of every random choice.
+        out: Folder for the files.
+        stills: Also NAME.png, captured and simulated poses side by side.
+        video: Also NAME.mp4.
+        jobs: Clips at a time.
+        json: Print one JSON object.
+    """
+
+    clips: Positional[Annotated[tuple[str, ...], arg(metavar="CLIP [CLIP ...]")]]
+    law: Literal["modern", "paper"] = "modern"
+    pelvis: Literal["led", "assisted", "free"] = "assisted"
+    stiffness: Annotated[float | None, arg(metavar="K", help_behavior_hint="(default: by law)")] = (
+        None
+    )
+    torque_limits: Literal["off", "human"] = "off"
+    seed: int = 0
+    out: Annotated[
+        Path | None, arg(metavar="DIR", help_behavior_hint="(default: NAME_understudy)")
+    ] = None
+    stills: bool = False
+    video: bool = False
+    jobs: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: one per core)")] = (
+        None
+    )
+    json: bool = False
+
+
+def run(options: Options) -> Outcome:
+    """Perform every clip; one row each."""
+    if not options.clips:
+        raise InvalidValue("give at least one clip, as: understudy track sample:gesture")
+    count = cores() if options.jobs is None else options.jobs
+    if count < 1:
+        raise InvalidValue(f"--jobs is {count}; it must be at least 1.")
+    check_body(options)
+    jobs = jobs_for(options)
+    rows: dict[int, Row] = {}
+    for index, found in each(attempted, jobs, jobs=count):
+        job = jobs[index]
+        row = found or Row(clip=job.clip, name=job.name, error=_DIED, status=1)
+        rows[index] = row
+        if len(jobs) > 1:
+            print(f"[{len(rows)}/{len(jobs)}] {row.name}: {summary(row)}", file=sys.stderr)
+        elif row.error:
+            print(f"understudy track: {row.error}", file=sys.stderr)
+    ordered = [rows[index] for index in range(len(jobs))]
+    return Outcome(result=result(ordered), text=text(ordered), status=status(ordered))
+
+
+def jobs_for(options: Options) -> list[Job]:
+    """One job per clip, each with a name of its own."""
+    settings: dict[str, Any] = {
+        "law": options.law,
+        "pelvis": options.pelvis,
+        "torque_limits": options.torque_limits,
+        "seed": options.seed,
+    }
+    if options.stiffness is not None:
+        settings["stiffness"] = options.stiffness
+    reading = Reading(**{name: getattr(options, name) for name in Reading.__dataclass_fields__})
+    body = Body(**{name: getattr(options, name) for name in Body.__dataclass_fields__})
+    wanted = ((".png", options.stills), (".mp4", options.video))
+    names = unique([stem(clip) for clip in options.clips])
+    return [
+        Job(
+            clip=clip,
+            name=name,
+            folder=options.out or Path(f"{name}_understudy"),
+            reading=reading,
+            body=body,
+            settings=settings,
+            kinds=tuple(kind for kind, yes in wanted if yes),
+        )
+        for clip, name in zip(options.clips, names, strict=True)
+    ]
+
+
+def unique(names: Sequence[str]) -> list[str]:
+    """The names, with a number added to those that came before."""
+    taken: set[str] = set()
+    found = []
+    for name in names:
+        fresh, k = name, 1
+        while fresh in taken or (fresh != name and fresh in names):
+            k += 1
+            fresh = f"{name}_{k}"
+        taken.add(fresh)
+        found.append(fresh)
+    return found
+
+
+def cores() -> int:
+    """Processor cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def status(rows: Sequence[Row]) -> int:
+    """0 when all went well, what all share when all failed alike, else 1."""
+    found = {row.status for row in rows}
+    return found.pop() if len(found) == 1 else 1
+
+
+def result(rows: Sequence[Row]) -> dict[str, Any]:
+    """What `--json` prints."""
+    failed = [row for row in rows if row.error]
+    answer: dict[str, Any] = {
+        "clips": [
+            {
+                "clip": row.clip,
+                "name": row.name,
+                "error": row.error,
+                "files": row.files,
+                "notes": row.notes,
+                "seconds": round(row.seconds, 3),
+                "certificate": row.certificate or None,
+            }
+            for row in rows
+        ],
+        "failed": len(failed),
+        "status": status(rows),
+    }
+    if len(failed) == len(rows):
+        answer["error"] = failed[0].error
+    return answer
+
+
+def summary(row: Row) -> str:
+    """One line on one clip."""
+    if row.error:
+        return f"failed: {row.error}"
+    cells = dict(zip(HEAD[1:], figures(row), strict=True))
+    return ", ".join(
+        f"{name} {cells[name]}" for name in ("joints deg", "hands mm", "lag ms", "help %")
+    )
+
+
+HEAD = ("clip", "seconds", "joints deg", "hands mm", "feet mm", "lag ms", "help %")
+
+
+def figures(row: Row) -> tuple[str, ...]:
+    """The row's cells after its name."""
+    if row.error:
+        return ("failed", *[""] * (len(HEAD) - 2))
+    whole, one = row.certificate, row.certificate["characters"][0]
+
+    def number(value: float | None, form: str) -> str:
+        return "-" if value is None else format(value, form)
+
+    held = f"{one['root_force_mean_percent']:.0f} / {one['root_force_peak_percent']:.0f}"
+    return (
+        number(whole["duration_s"], ".2f"),
+        number(one["joint_error_deg"], ".2f"),
+        number(one["hands_mm"], ".1f"),
+        number(one["feet_mm"], ".1f"),
+        number(one["lag_ms"], ".0f"),
+        "0" if one["fully_physical"] else held,
+    )
+
+
+def text(rows: Sequence[Row]) -> str:
+    """The table, what it means, and where the files are; empty when a lone clip failed."""
+    done = [row for row in rows if not row.error]
+    if not done:
+        return "" if len(rows) == 1 else f"All {len(rows)} clips failed."
+    parts = [table([HEAD, *((row.name, *figures(row)) for row in rows)], right=range(1, len(HEAD)))]
+    if len(rows) == 1:
+        parts += [f"  {note}" for note in done[0].notes]
+        parts.append(done[0].certificate["statement"])
+    parts += ["", HELP_FROM_ABOVE, "", "files:"]
+    for row in done:
+        parts += [f"  {path}" for path in row.files.values()]
+    if len(done) < len(rows):
+        parts += ["", f"{len(rows) - len(done)} of {len(rows)} clips failed."]
+    return "\n".join(parts)
