@@ -1,0 +1,88 @@
+"""One face for two ways to draw: OpenGL where it works, rays everywhere else."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import mujoco
+import numpy as np
+
+from understudy.errors import UnderstudyError, UnknownName
+from understudy.motion.rotations import Array
+from understudy.output.camera import Camera
+from understudy.output.gl import GLRenderer, backend
+from understudy.output.raycast import RayCaster
+
+RENDERERS = ("auto", "opengl", "raycast")
+
+
+class Renderer(Protocol):
+    """Draws a model.
+
+    Attributes:
+        name: "opengl" or "raycast".
+    """
+
+    name: str
+
+    def picture(
+        self, qpos: Array, camera: Camera, *, ghost: Array | None = None, opacity: float = 0.4
+    ) -> np.ndarray[Any, np.dtype[np.uint8]]:
+        """One picture of a pose, uint8, shape (height, width, 3); see `RayCaster.picture`."""
+        ...
+
+    def close(self) -> None:
+        """Give everything back; the renderer draws no more."""
+
+
+def opened(
+    model: mujoco.MjModel,
+    width: int,
+    height: int,
+    *,
+    renderer: str = "auto",
+    spec: Callable[[], mujoco.MjSpec] | None = None,
+    shadows: bool | None = None,
+    samples: int = 4,
+    ghost_bodies: tuple[int, ...] = (),
+) -> Renderer:
+    """A renderer for pictures of `width` times `height` pixels; `close` it when done.
+
+    Args:
+        model: What is drawn.
+        width: Width [pixels].
+        height: Height [pixels].
+        renderer: "opengl" (the engine's own), "raycast" (needs no graphics library), or "auto":
+            OpenGL where it works.
+        spec: Makes a specification of the model, which OpenGL dresses with a sky and tiles.
+        shadows: Draw shadows; by default rays do and OpenGL, whose shadows are speckled, does not.
+        samples: Samples on an edge that OpenGL takes; 0 is fastest.
+        ghost_bodies: Bodies that a ghost shows.
+
+    Raises:
+        UnknownName: No such renderer.
+        UnderstudyError: OpenGL is asked for and does not work here.
+    """
+    if renderer not in RENDERERS:
+        raise UnknownName("renderer", renderer, RENDERERS)
+    if renderer != "raycast" and backend() is not None:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                return GLRenderer(
+                    model,
+                    width,
+                    height,
+                    spec=spec,
+                    shadows=bool(shadows),
+                    samples=samples,
+                    ghost_bodies=ghost_bodies,
+                )
+        except RuntimeError as error:
+            if renderer == "opengl":
+                raise UnderstudyError(f"{error}; use renderer='raycast'.") from error
+    if renderer == "opengl":
+        raise UnderstudyError("No OpenGL library draws on this machine; use renderer='raycast'.")
+    return RayCaster(model, width, height, shadows=shadows is not False, ghost_bodies=ghost_bodies)
