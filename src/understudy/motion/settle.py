@@ -1,0 +1,108 @@
+"""The step that settles a `Recording` into SI units with z up.
+
+What a file does not state (vertical axis, unit, whether the first frame is motion, a wrong rate) is
+detected by `understudy.motion.detection`; every finding becomes a note of the clip, and every one
+can be overruled by an argument.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from understudy.errors import ClipError, InvalidValue
+from understudy.motion import detection
+from understudy.motion import rotations as rot
+from understudy.motion.clip import Clip, Conventions
+from understudy.motion.recording import Recording, unit_in_meters
+from understudy.motion.skeleton import Skeleton
+
+
+def checked_options(up: str | None, rate: float | None, t_pose: str) -> None:
+    """Refuse options of a reader that cannot be meant.
+
+    Raises:
+        InvalidValue: Names the option, its value and what is allowed.
+    """
+    if up not in (None, "x", "y", "z"):
+        raise InvalidValue(f"up is {up!r}; it must be 'x', 'y', 'z' or None to detect it.")
+    if rate is not None and not (np.isfinite(rate) and 0 < rate <= 1e5):
+        raise InvalidValue(f"rate is {rate} Hz; it must be positive and at most 100000.")
+    if t_pose not in ("auto", "keep", "drop"):
+        raise InvalidValue(f"t_pose is {t_pose!r}; it must be 'auto', 'keep' or 'drop'.")
+
+
+def settled(
+    recording: Recording,
+    *,
+    up: str | None = None,
+    unit: float | str | None = None,
+    rate: float | None = None,
+    t_pose: str = "auto",
+) -> Clip:
+    """The recording as a clip in meters with z up; see `understudy.motion.read.read`.
+
+    Raises:
+        ClipError: The recording cannot be a clip, for example all its bones have no length.
+        InvalidValue: An option that cannot be meant.
+    """
+    checked_options(up, rate, t_pose)
+    notes = list(recording.notes)
+    try:
+        shape = detection.shape_of(recording)
+    except InvalidValue as error:
+        raise ClipError(recording.path, str(error)) from None
+    if up is None:
+        up, note = detection.up_axis(shape)
+        notes.append(note)
+    if unit is not None:
+        meters = unit_in_meters(unit)
+    else:
+        meters, note = detection.unit(shape, up, recording.stated_unit)
+        notes.append(note)
+    hertz = recording.rate if rate is None else float(rate)
+    first, note = detection.first_motion_frame(recording, hertz, t_pose)
+    if note:
+        notes.append(note)
+    conventions = Conventions(
+        up=up,
+        unit=meters,
+        rotation_orders=tuple(
+            "".join(c for c in channels if c.isupper()) for channels in recording.channels
+        ),
+        channels=recording.channels,
+    )
+    try:
+        clip = _converted(recording.kept(slice(first, None)), conventions, hertz)
+    except InvalidValue as error:
+        raise ClipError(recording.path, str(error)) from None
+    clip, more = detection.raised_from_zero(clip)
+    notes += more
+    notes += detection.rate_notes(clip)
+    return replace(clip, notes=tuple(notes))
+
+
+def _converted(recording: Recording, conventions: Conventions, rate: float) -> Clip:
+    """The recording turned to z up and scaled to meters, nothing else."""
+    # The change of axes permutes coordinates; whole numbers keep it exact.
+    turn = np.round(rot.to_matrix(conventions.axis_change))
+    unit = conventions.unit
+    rotations = np.empty_like(recording.rotations)
+    rotations[..., 0] = recording.rotations[..., 0]
+    np.matmul(recording.rotations[..., 1:], turn.T, out=rotations[..., 1:])
+    skeleton = recording.skeleton
+    return Clip(
+        skeleton=Skeleton(
+            names=skeleton.names,
+            parents=skeleton.parents,
+            offsets=skeleton.offsets @ turn.T * unit,
+            end_joints=skeleton.end_joints,
+            end_offsets=skeleton.end_offsets @ turn.T * unit,
+        ),
+        rotations=rotations,
+        root_positions=recording.root_positions @ turn.T * unit,
+        rate=rate,
+        name=recording.name,
+        conventions=conventions,
+    )
