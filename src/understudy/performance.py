@@ -53,7 +53,7 @@ def tracked(
     pelvis: str | None = None,
     ground: Ground | None = None,
     timestep: float | None = None,
-    self_collision: str = "none",
+    self_collision: str = "off",
     seed: int = 0,
     **settings: object,
 ) -> Performance:
@@ -74,7 +74,7 @@ def tracked(
     """
     clean = clip.repaired()
     reference = retargeted(clean, character)
-    feet = character.has_feet
+    feet = any((link.role or "").endswith("_ankle") for link in character.links)
     if ground is None and feet:
         ground = Ground()
     scene = Scene(

@@ -59,7 +59,7 @@ def prepared(performance: Performance) -> tuple[mujoco.MjModel, mujoco.MjData]:
 def open_loop_controls(performance: Performance, model: mujoco.MjModel) -> Controls:
     """The sum of what the open-loop controllers ask for, one row per step."""
     steps = performance.steps
-    times = np.arange(steps) * performance.scene.timestep
+    times = np.arange(steps, dtype=np.float64) * performance.scene.timestep
     ctrl, applied = np.zeros((steps, model.nu)), None
     for controller in performance.controllers:
         if isinstance(controller, OpenLoop):
@@ -293,7 +293,7 @@ def _stepped(
 def _as_function(
     controller: Compiled, performance: Performance, model: mujoco.MjModel
 ) -> Callable[[float, mujoco.MjData], None]:
-    law, parameters, memory = controller.law(performance.scene, model)
+    law, parameters, memory = controller.feedback(performance.scene, model)
     law = getattr(law, "py_func", law)
 
     def function(time: float, data: mujoco.MjData) -> None:
@@ -382,7 +382,7 @@ def _compiled(
     states: Array,
 ) -> Iterator[int]:
     """Gear 2: laws and engine in one compiled loop."""
-    parts = [controller.law(performance.scene, model) for controller in feedback]
+    parts = [controller.feedback(performance.scene, model) for controller in feedback]
     loop = _compiled_loop(_in_sequence(tuple(law for law, _, _ in parts)))
     parameters = tuple(np.ascontiguousarray(p, float) for _, p, _ in parts)
     memory = tuple(np.array(m, float) for _, _, m in parts)
@@ -475,7 +475,7 @@ def _take(
         performance=performance,
         model=model,
         rate=1.0 / performance.scene.timestep,
-        times=np.arange(frames) * performance.scene.timestep,
+        times=np.arange(frames, dtype=np.float64) * performance.scene.timestep,
         qpos=states[:, 1 : 1 + nq],
         qvel=states[:, 1 + nq : 1 + nq + nv],
         ctrl=held(ctrl),

@@ -65,7 +65,7 @@ class Compiled(Controller, Protocol):
     `memory` are float arrays of its own; memory carries state from step to step.
     """
 
-    def law(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
+    def feedback(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
         """The compiled function, its parameters, and its memory at time zero."""
 
 

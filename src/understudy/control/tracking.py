@@ -135,10 +135,9 @@ class Tracking:
         stiffness = gains.joint_stiffness(scene, model, self.character, self.stiffness)
         for k, actuator, link in zip(stiffness, part.joint_actuators, body.links[1:], strict=True):
             gains.set_orientation_gain(model, actuator, k, k * self.kd_over_k)
-            limited = self.torque_limits == "human" and link.torque_limit is not None
-            model.actuator_forcelimited[actuator] = limited
-            if limited:
+            if self.torque_limits == "human" and link.torque_limit is not None:
                 # The engine bounds the length of the torque vector: the strongest axis' limit.
+                model.actuator_forcelimited[actuator] = True
                 model.actuator_forcerange[actuator] = 0.0, float(np.max(link.torque_limit))
         mass, inertia = self._root_inertia(scene, model)
         w = self._root_frequency

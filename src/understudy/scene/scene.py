@@ -72,7 +72,7 @@ class Scene:
     props: tuple[Prop, ...] = ()
     timestep: float = 0.002
     gravity: float = 9.81
-    self_collision: str = "none"
+    self_collision: str = "off"
 
     def __post_init__(self) -> None:
         characters = self.characters
