@@ -130,21 +130,22 @@ def derivative(values: ArrayLike, rate: float, *, smoothing: float = 0.0, order:
     Raises:
         InvalidValue: `order` other than 1 or 2, or a negative window.
     """
-    values = np.asarray(values, float)
+    data: Array = np.array(values, float)
     if order not in (1, 2):
         raise InvalidValue(f"order is {order}; it must be 1 or 2.")
     if not smoothing >= 0.0:
         raise InvalidValue(f"smoothing is {smoothing} s; it must not be negative.")
-    if len(values) < 2:
-        return np.zeros_like(values)
+    if len(data) < 2:
+        return np.zeros_like(data)
     degree = 1 + order
-    window = min(2 * round(0.5 * smoothing * rate) + 1, len(values) - 1 + len(values) % 2)
+    window = min(2 * round(0.5 * smoothing * rate) + 1, len(data) - 1 + len(data) % 2)
     if window > degree:
-        return savgol_filter(values, window, degree, deriv=order, delta=1.0 / rate, axis=0)
+        fitted = savgol_filter(data, window, degree, deriv=order, delta=1.0 / rate, axis=0)
+        return np.asarray(fitted, float)
     for _ in range(order):
-        edge = 2 if len(values) > 2 else 1
-        values = np.gradient(values, 1.0 / rate, axis=0, edge_order=edge)
-    return values
+        edge = 2 if len(data) > 2 else 1
+        data = np.asarray(np.gradient(data, 1.0 / rate, axis=0, edge_order=edge), float)
+    return data
 
 
 def joint_velocities(clip: Clip, *, smoothing: float = 0.0) -> Array:

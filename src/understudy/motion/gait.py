@@ -8,6 +8,8 @@ are then closed onto their feet exactly.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -114,7 +116,8 @@ def _pitched(point: Array, pitch: Array) -> Array:
 class _Stride:
     """One leg's stride and the pelvis over it, as periodic splines of the phase [cycles].
 
-    `length` is the stride [m] and `time` its duration [s]. Paths are relative to a point that moves at the mean speed.
+    `length` is the stride [m] and `time` its duration [s]. Paths are relative to a point that moves
+    at the mean speed.
     """
 
     def __init__(self, height: float):
@@ -173,7 +176,7 @@ class _Stride:
         return self._splines[name](phase % 1.0)
 
 
-def _pelvis_path(phase: Array, seen: Array) -> tuple[float, Array]:
+def _pelvis_path(phase: Array, seen: Array) -> tuple[float, Any]:
     """Stride length [m] and pelvis path (phases, 2) that fit what the stance leg shows of it.
 
     Both legs do the same half a stride apart, so the path is steady motion plus harmonics of the

@@ -59,7 +59,7 @@ class Contacts:
     @property
     def airborne(self) -> np.ndarray:
         """Frames in which nothing touches, shape (frames,)."""
-        return ~self.touching.any(axis=1)
+        return np.logical_not(self.touching.any(axis=1))
 
 
 def body_size(skeleton: Skeleton) -> float:

@@ -3,7 +3,7 @@
     clip = keyframed(
         [
             Key(time=0.0, pose=STANDING),
-            Key(time=0.8, pose={"right_shoulder": {"abduction": 150}, "right_elbow": {"flexion": 40}}),
+            Key(time=0.8, pose={"right_shoulder": {"abduction": 150}}),
             Key(time=1.6, pose=STANDING),
         ]
     )
@@ -16,20 +16,21 @@ have the same sign on both sides:
 
     shoulder, hip   flexion (forward), abduction (outward), rotation (inward)
     elbow           flexion, pronation           wrist   flexion (palmward), deviation (thumbward)
-    knee            flexion                      ankle   flexion (toes up), inversion, rotation (inward)
-    ball            extension (toes up)
-    pelvis, lower_back, upper_back, neck   flexion (forward), bend (to the left), turn (to the left)
+    knee            flexion                      ball    extension (toes up)
+    ankle           flexion (toes up), inversion, rotation (inward)
+    pelvis, lower_back, upper_back, neck   flexion (forward), bend and turn (both to the left)
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import PchipInterpolator
 
 from understudy.errors import InvalidValue, UnknownName
 from understudy.motion import rotations as rot
@@ -131,8 +132,9 @@ def keyframed(
         keys: In order of time; the clip lasts from the first to the last.
         skeleton: Defaults to `figure()`.
         rate: Frames per second [Hz].
-        ease: "spline" passes keys without stopping (twice continuously differentiable, at rest at
-            both ends); "rest" comes to rest at every key (minimum-jerk timing, geodesic path).
+        ease: "spline" passes through keys and never swings beyond them (a monotone cubic, Fritsch &
+            Butland 1984; continuous speed, at rest at both ends and where it turns back); "rest"
+            comes to rest at every key (minimum-jerk timing, Flash & Hogan 1985; geodesic path).
         base: Pose of joints that no key sets.
         name: Name of the clip.
 
@@ -140,7 +142,7 @@ def keyframed(
         InvalidValue: No key, or times that do not increase.
         UnknownName: A joint or an angle that does not exist.
     """
-    if not keys or any(b.time <= a.time for a, b in zip(keys, keys[1:], strict=False)):
+    if not keys or any(b.time <= a.time for a, b in pairwise(keys)):
         raise InvalidValue("keyframed needs at least one key, with times that increase.")
     if ease not in ("spline", "rest"):
         raise InvalidValue(f"ease is {ease!r}; it must be 'spline' or 'rest'.")
@@ -159,7 +161,7 @@ def keyframed(
     path = np.tile(skeleton.offsets[0], (len(times), 1))
     if placed:
         knots = np.array([key.time for key in placed])
-        path = _eased(knots, np.array([key.root for key in placed], float), times, ease)
+        path = eased(knots, np.array([key.root for key in placed], float), times, ease)
     return Clip(
         skeleton=skeleton,
         rotations=turned,
@@ -174,24 +176,25 @@ def keyframed(
 def _rotation_track(knots: Array, track: Array, times: Array, ease: Ease) -> Array:
     track = rot.continuous(track)
     if ease == "spline" or len(knots) == 1:
-        return rot.normalized(_eased(knots, track, times, ease))
+        return rot.normalized(eased(knots, track, times, ease))
     low, weight = _stretch(knots, times)
     return rot.slerp(track[low], track[low + 1], weight)
 
 
-def _eased(knots: Array, values: Array, times: Array, ease: Ease) -> Array:
-    """Values (keys, n) joined over time, at rest at both ends."""
+def eased(knots: Array, values: Array, times: Array, ease: Ease = "spline") -> Array:
+    """Values (keys, n) at increasing `knots` [s], joined over `times` [s] as `keyframed` does."""
     if len(knots) == 1:
         return np.repeat(values, len(times), axis=0)
     if ease == "spline":
         inside = np.clip(times, knots[0], knots[-1])
-        return CubicSpline(knots, values, bc_type="clamped")(inside)
+        slow = np.array([knots[0] - 1.0, *knots, knots[-1] + 1.0])  # at rest at both ends
+        return PchipInterpolator(slow, values[[0, *range(len(values)), -1]])(inside)
     low, weight = _stretch(knots, times)
     return values[low] + weight[:, None] * (values[low + 1] - values[low])
 
 
 def _stretch(knots: Array, times: Array) -> tuple[np.ndarray, Array]:
-    """For each time the key before it and the minimum-jerk weight (Flash & Hogan 1985) of the next."""
+    """For each time the key before it and the weight of the next (minimum jerk)."""
     low = np.clip(np.searchsorted(knots, times, side="right") - 1, 0, len(knots) - 2)
     s = np.clip((times - knots[low]) / (knots[low + 1] - knots[low]), 0.0, 1.0)
     return low, s**3 * (10.0 - 15.0 * s + 6.0 * s * s)

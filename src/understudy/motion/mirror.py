@@ -90,7 +90,7 @@ def _paired_children(
             right.remove(c)
         gaps = [float(np.linalg.norm(skeleton.offsets[d] - mirrored_offset)) for d in right]
         own = float(np.linalg.norm(skeleton.offsets[c] - mirrored_offset)) if a == b else np.inf
-        # A quarter of the bone: two different bones may look alike, a bone and its mirror image must.
+        # Within a quarter of the bone's length.
         limit = 0.25 * float(np.linalg.norm(skeleton.offsets[c])) + 1e-6
         best = int(np.argmin(gaps)) if gaps else -1
         if best >= 0 and gaps[best] <= limit and gaps[best] < own:
@@ -103,7 +103,7 @@ def _paired_children(
 
 
 def sagittal_axis(skeleton: Skeleton) -> Array:
-    """Unit vector (3,) at right angles to the rest pose's sagittal plane (left, where names say so).
+    """Unit vector (3,) across the rest pose's sagittal plane (to the left, where names say so).
 
     The mean of left minus right over the joints that names pair; without such names, the horizontal
     axis in which the rest pose is most symmetric. Within 15 degrees of a coordinate axis it is that

@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from understudy.errors import UnknownName
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.figure import figure
 from understudy.motion.gait import walk
-from understudy.motion.keyframes import STANDING, Key, keyframed, rotation
+from understudy.motion.keyframes import STANDING, Key, eased, keyframed, rotation
 from understudy.motion.limbs import place_foot, place_hand
 from understudy.motion.rotations import Array
 from understudy.motion.skeleton import Skeleton
@@ -125,10 +126,15 @@ def _gesture() -> Clip:
     arms = keyframed(keys, rate=_RATE)
     # Weight goes to the left while the right arm is up, then forward and over the left foot.
     at = np.array([0.0, 0.4, 1.0, 2.0, 2.7, 3.3, 3.9, 4.7, 5.4, 6.0])
-    aside = _through(at, [0, -8, 22, 26, 20, -6, 12, 14, 4, 0], arms.times) / 1000.0
-    ahead = _through(at, [0, -4, 2, 4, 0, -6, 14, 12, 0, 0], arms.times) / 1000.0
-    turn = np.radians(_through(at, [0, 0, -3, -3, -1, 2, 6, 6, 1, 0], arms.times))
-    return _standing("gesture", np.array(arms.rotations), aside, ahead, turn)
+    aside = eased(at, np.array([0, -8, 22, 26, 20, -6, 12, 14, 4, 0.0]), arms.times) / 1000.0
+    ahead = eased(at, np.array([0, -4, 2, 4, 0, -6, 14, 12, 0, 0.0]), arms.times) / 1000.0
+    turn = np.radians(eased(at, np.array([0, 0, -3, -3, -1, 2, 6, 6, 1, 0.0]), arms.times))
+    # Muscles round off what monotone cubics leave: accelerations that step at the keys.
+    turned = rot.normalized(gaussian_filter1d(arms.rotations, 0.03 * _RATE, axis=0, mode="nearest"))
+    aside, ahead, turn = (
+        gaussian_filter1d(track, 0.1 * _RATE, mode="nearest") for track in (aside, ahead, turn)
+    )
+    return _standing("gesture", turned, aside, ahead, turn)
 
 
 def _trunk(turn: float, lean: float, bend: float, gaze: float) -> dict[str, dict[str, float]]:
@@ -167,17 +173,17 @@ def _drumming() -> Clip:
         phase = beat + start
         lift, whip = _stroke(phase) * loud, _stroke(phase - 0.07) * loud
         wrist = np.stack(
-            (0.37 - 0.05 * lift, sign * (0.17 + 0.035 * lift), 0.93 + 0.10 * lift), axis=-1
+            (0.31 - 0.02 * lift, sign * (0.17 + 0.02 * lift), 0.975 + 0.055 * lift), axis=-1
         )
-        elbow = np.broadcast_to([-0.5, 0.75 * sign, -0.6], wrist.shape)
-        pitch = np.radians(-14.0 + 44.0 * whip)
-        hand = _hand(np.full_like(pitch, -sign * np.radians(68.0)), pitch, 0.0 * pitch)
+        elbow = np.broadcast_to([-0.7, 0.55 * sign, -0.4], wrist.shape)
+        pitch = np.radians(-16.0 + 50.0 * whip)
+        hand = _hand(np.full_like(pitch, -sign * np.radians(101.0)), pitch, 0.0 * pitch)
         place_hand(turned, skeleton, side, chest, wrist, elbow, hand)
     return _made("drumming", skeleton, turned, root)
 
 
 def _stroke(phase: Array) -> Array:
-    """Height of the hand over a stroke, 0 at the hit (whole phases) to 1; falls faster than it rises."""
+    """Height of the hand over a stroke, 0 at the hit (whole phases) to 1; falls faster."""
     turn = 2.0 * np.pi * phase
     return (0.5 - 0.5 * np.cos(turn - 0.45 * np.sin(turn) - 0.22 * (1.0 - np.cos(turn)))) ** 1.2
 
@@ -280,13 +286,6 @@ def _chest(skeleton: Skeleton, turned: Array, root: Array) -> tuple[Array, Array
     position = root + rot.rotate(turned[:, 0], skeleton.offsets[low])
     position = position + rot.rotate(turn, skeleton.offsets[high])
     return position, rot.multiply(turn, turned[:, high])
-
-
-def _through(at: Array, values: list[float], times: Array) -> Array:
-    """A smooth curve through values, at rest at both ends."""
-    from scipy.interpolate import CubicSpline
-
-    return CubicSpline(at, values, bc_type="clamped")(times)
 
 
 def _made(name: str, skeleton: Skeleton, turned: Array, root: Array) -> Clip:
