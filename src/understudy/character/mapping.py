@@ -1,0 +1,114 @@
+"""A mapping file: what a person says about the joints, which overrides what is detected.
+
+[roles]
+left_knee = "LeftLeg"
+
+[fold]
+joints = ["LeftShoulder"]   # never a link of its own; what hangs on it stays
+
+[drop]
+joints = ["Tail"]           # left out with everything outboard of it
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from understudy.errors import ClipError, UnknownName
+from understudy.motion.figure import ROLES
+from understudy.motion.skeleton import Skeleton
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mapping:
+    """Joints named by a person.
+
+    Attributes:
+        roles: Clip joint for each role given.
+        fold: Clip joints that never become a link.
+        drop: Clip joints left out with everything outboard of them.
+    """
+
+    roles: dict[str, str] = field(default_factory=dict)
+    fold: tuple[str, ...] = ()
+    drop: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for role in self.roles:
+            if role not in ROLES:
+                raise UnknownName("role", role, ROLES)
+
+    def check(self, skeleton: Skeleton) -> None:
+        """Raise `UnknownName` when a joint named here is not in the skeleton."""
+        for name in (*self.roles.values(), *self.fold, *self.drop):
+            skeleton.index(name)
+
+
+def read_mapping(path: str | os.PathLike[str]) -> Mapping:
+    """Read a mapping file (TOML).
+
+    Raises:
+        ClipError: Not TOML, or a table or key that does not belong there; names the line.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise ClipError(path, f"cannot be read: {error.strerror}.") from None
+    except UnicodeDecodeError:
+        raise ClipError(path, "is not text; a mapping is a TOML file.") from None
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        line = re.search(r"line (\d+)", str(error))
+        raise ClipError(path, f"is not TOML: {error}", int(line[1]) if line else None) from None
+    for table in tables:
+        if table not in ("roles", "fold", "drop"):
+            _unknown(path, text, "table", table, ("roles", "fold", "drop"))
+    for role, joint in _table(path, text, tables, "roles").items():
+        if role not in ROLES:
+            _unknown(path, text, "role", role, ROLES)
+        if not isinstance(joint, str):
+            raise ClipError(
+                path, f"{role} is {joint!r}; it must be a joint's name.", _line(text, role)
+            )
+    return Mapping(
+        roles=_table(path, text, tables, "roles"),
+        fold=_joints(path, text, tables, "fold"),
+        drop=_joints(path, text, tables, "drop"),
+    )
+
+
+def _table(path: Any, text: str, tables: dict[str, Any], name: str) -> dict[str, Any]:
+    table = tables.get(name, {})
+    if not isinstance(table, dict):
+        raise ClipError(path, f"{name} must be a table: [{name}].", _line(text, name))
+    return table
+
+
+def _joints(path: Any, text: str, tables: dict[str, Any], name: str) -> tuple[str, ...]:
+    table = _table(path, text, tables, name)
+    for key in table:
+        if key != "joints":
+            _unknown(path, text, f"key of [{name}]", key, ("joints",))
+    joints = table.get("joints", [])
+    if not isinstance(joints, list) or not all(isinstance(j, str) for j in joints):
+        raise ClipError(path, f'joints must be a list: joints = ["Tail"].', _line(text, "joints"))
+    return tuple(joints)
+
+
+def _unknown(path: Any, text: str, kind: str, name: str, valid: tuple[str, ...]) -> None:
+    raise ClipError(path, str(UnknownName(kind, name, valid)), _line(text, name))
+
+
+def _line(text: str, key: str) -> int | None:
+    """Line on which a key or table stands."""
+    pattern = re.compile(rf"""^\s*\[?\s*["']?{re.escape(key)}["']?\s*(=|\])""")
+    for number, line in enumerate(text.splitlines(), 1):
+        if pattern.match(line):
+            return number
+    return None
