@@ -23,7 +23,7 @@ def dragged(speed: float) -> Any:
         data.ctrl[4], data.ctrl[5] = speed * time, speed
         data.ctrl[8] = 0.199
 
-    spec = body_spec(foot=True, servo=500.0, hold=3e5)
+    spec = body_spec(foot=True, servo=2e4, hold=3e5)
     return simulated(spec, 1.5, qpos=[0, 0, 0.198], qvel=[speed], control=pull, foot=True)
 
 

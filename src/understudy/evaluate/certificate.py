@@ -7,7 +7,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from understudy.evaluate.measure import Measured, measured
-from understudy.evaluate.score import HELD, Score, score, versions
+from understudy.evaluate.score import Score, score, versions
 from understudy.motion.files import written
 
 if TYPE_CHECKING:
@@ -75,21 +75,20 @@ def write_certificate(take: Take, path: str | PathLike[str]) -> None:
 
 def statement(s: Score) -> str:
     """In words, what holds the body up and whether the motion is fully physical."""
-    held = (
+    force = (
         f"{_percent(s.root_force_mean_percent)} of body weight on average "
         f"(peak {_percent(s.root_force_peak_percent)})"
     )
+    carried = f"carries {_percent(s.root_support_percent)} of the weight"
     if s.pelvis == "led":
         text = (
-            "The pelvis is led along the clip by an outside force of "
-            f"{held}: the other links are simulated, balance is not."
+            f"The pelvis is led along the clip by an outside force of {force} that {carried}: "
+            "the other links are simulated, balance is not."
         )
     elif s.fully_physical:
         text = "Nothing but contact holds the body: fully physical, no force on the root."
-    elif s.root_force_mean_percent < HELD:
-        text = f"An outside force on the root holds {held}: close to, but not fully, physical."
     else:
-        text = f"An outside force on the root holds {held}: not fully physical."
+        text = f"An outside force on the root of {force} helps and {carried}: not fully physical."
     if s.diverged_s is not None:
         text += f" The simulation diverged at {s.diverged_s:.3f} s and is kept up to then."
     return text

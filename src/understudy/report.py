@@ -1,0 +1,395 @@
+"""A take in one HTML file: certificate, 3D player, plots, tables. No network, prints well."""
+
+from __future__ import annotations
+
+import html as markup
+from collections.abc import Iterable, Sequence
+from os import PathLike
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from understudy.evaluate.certificate import certificate, scored, statement
+from understudy.evaluate.chart import SCRIPT, STYLE
+from understudy.evaluate.measure import Measured, measured
+from understudy.evaluate.plots import all_charts
+from understudy.evaluate.score import Score
+from understudy.motion.files import written
+from understudy.output.player import player_html
+
+if TYPE_CHECKING:
+    from understudy.take import Take
+
+Tile = tuple[str, str, str]  # label, value, what it means
+
+
+def report_html(take: Take, *, title: str | None = None) -> str:
+    """The report as one HTML page.
+
+    Args:
+        take: The take; one that diverged is reported up to then.
+        title: Heading; by default the tracked clip's name, or the character's.
+    """
+    m = measured(take)
+    scores = scored(take, measures=m)
+    name = title or scores[0].clip or scores[0].character
+    parts = [_header(take, name, scores), _player(take, name)]
+    for k, s in enumerate(scores):
+        heading = f"{s.character}: {s.clip}" if s.clip else s.character
+        several = f"<h2>{_text(heading)}</h2>" if len(scores) > 1 else "<h2>Figures</h2>"
+        parts.append(f'<section id="figures-{k}">{several}{_tiles(s)}</section>')
+        charts = "".join(chart.html() for chart in all_charts(take, m, k))
+        parts.append(f"<section><h2>Over time</h2>{charts}</section>" if charts else "")
+        parts.append(_joints(s))
+        parts.append(_contacts(m, k))
+        parts.append(_notes(take, k))
+    parts.append(_footer(take, scores))
+    return _PAGE.format(
+        title=_text(name), style=_STYLE + STYLE, script=SCRIPT, body="\n".join(filter(None, parts))
+    )
+
+
+def write_report(take: Take, path: str | PathLike[str], *, title: str | None = None) -> None:
+    """Write the report to a file.
+
+    Raises:
+        UnderstudyError: The file cannot be written.
+    """
+    text = report_html(take, title=title)
+    with written(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def _text(value: object) -> str:
+    return markup.escape(str(value), quote=True)
+
+
+def _header(take: Take, name: str, scores: Sequence[Score]) -> str:
+    found = certificate(take, scores=tuple(scores))
+    verdict = "Fully physical" if found["fully_physical"] else "Not fully physical"
+    kind = "good" if found["fully_physical"] else "held"
+    words = "".join(
+        f"<p>{f'<b>{_text(s.character)}.</b> ' if len(scores) > 1 else ''}{_text(statement(s))}</p>"
+        for s in scores
+    )
+    return (
+        f'<header><p class="kicker">Simulated performance, {take.duration:.2f} s</p>'
+        f'<h1>{_text(name)}</h1><div class="verdict {kind}"><b>{verdict}</b>{words}</div></header>'
+    )
+
+
+def _player(take: Take, name: str) -> str:
+    page = player_html(take, title=name, autoplay=False)
+    return (
+        '<section class="player"><h2 class="unseen">The motion in 3D</h2>'
+        f'<iframe title="3D player of {_text(name)}" sandbox="allow-scripts" '
+        f'srcdoc="{_text(page)}"></iframe>'
+        '<p class="onpaper">The 3D player is interactive; open this file in a browser.</p>'
+        "</section>"
+    )
+
+
+def _tiles(s: Score) -> str:
+    groups = (
+        ("Tracking", _tracking_tiles(s)),
+        ("Help from outside", _root_tiles(s)),
+        ("Contact", _contact_tiles(s)),
+        ("Effort", _effort_tiles(s)),
+    )
+    out = []
+    for heading, tiles in groups:
+        if not tiles:
+            continue
+        cells = "".join(
+            f"<div><dt>{_text(label)}</dt><dd><b>{value}</b><span>{_text(note)}</span></dd></div>"
+            for label, value, note in tiles
+        )
+        out.append(f'<h3>{heading}</h3><dl class="tiles">{cells}</dl>')
+    return "".join(out)
+
+
+def _tracking_tiles(s: Score) -> list[Tile]:
+    tiles: list[Tile] = []
+    if s.joint_error_deg is not None:
+        note = f"rms; median {s.joint_error_median_deg:.2f}°"
+        tiles.append(("Joint error", _value(s.joint_error_deg, "°", 2), note))
+    if s.lag_ms is not None and s.joint_error_without_lag_deg is not None:
+        note = f"{s.joint_error_without_lag_deg:.2f}° rms without it"
+        tiles.append(("Lag", _value(s.lag_ms, "ms", 1), note))
+    if s.joint_position_mm is not None:
+        note = f"mean; {s.joint_position_aligned_mm:.1f} mm seen from the root"
+        tiles.append(("Joint position", _value(s.joint_position_mm, "mm", 1), note))
+    if s.root_position_mm is not None:
+        note = f"mean; orientation {s.root_rotation_deg:.2f}° rms"
+        tiles.append(("Root", _value(s.root_position_mm, "mm", 1), note))
+    if s.hands_mm is not None:
+        tiles.append(("Hands", _value(s.hands_mm, "mm", 1), "mean distance"))
+    if s.feet_mm is not None:
+        tiles.append(("Feet", _value(s.feet_mm, "mm", 1), "mean distance"))
+    return tiles
+
+
+def _root_tiles(s: Score) -> list[Tile]:
+    return [
+        ("Pelvis", s.pelvis, _PELVIS.get(s.pelvis, "")),
+        (
+            "Root force",
+            _value(s.root_force_mean_percent, "% BW", 1),
+            f"mean; peak {s.root_force_peak_percent:.0f} % of body weight",
+        ),
+        (
+            "Support",
+            _value(s.root_support_percent, "% BW", 1),
+            "mean upward part of that force",
+        ),
+        (
+            "Root torque",
+            _value(s.root_torque_mean_percent, "% BW·H", 1),
+            f"mean; peak {s.root_torque_peak_percent:.0f} % of weight by height",
+        ),
+    ]
+
+
+_PELVIS = {
+    "led": "an outside force moves it along the clip",
+    "assisted": "an outside force helps it",
+    "free": "nothing holds it",
+}
+
+
+def _contact_tiles(s: Score) -> list[Tile]:
+    if s.ground_force_mean_percent is None:
+        return []
+    tiles: list[Tile] = [
+        (
+            "Ground force",
+            _value(s.ground_force_mean_percent, "% BW", 0),
+            f"mean; peak {s.ground_force_peak_percent:.0f} % of body weight",
+        ),
+        ("Penetration", _value(s.penetration_mm, "mm", 1), _clip_penetration(s)),
+    ]
+    if s.foot_slide_mm_s is not None:
+        tiles.append(("Foot slide", _value(s.foot_slide_mm_s, "mm/s", 0), "while loaded"))
+    if s.foot_slide_by_height_mm_s is not None:
+        own = s.clip_foot_slide_mm_s
+        note = "while low and slow" + ("" if own is None else f"; the clip {own:.0f} mm/s")
+        tiles.append(
+            ("Foot slide, as in clips", _value(s.foot_slide_by_height_mm_s, "mm/s", 0), note)
+        )
+    return tiles
+
+
+def _clip_penetration(s: Score) -> str:
+    if s.clip_penetration_mm is None:
+        return "deepest overlap"
+    return f"deepest overlap; the clip {s.clip_penetration_mm:.0f} mm"
+
+
+def _effort_tiles(s: Score) -> list[Tile]:
+    tiles: list[Tile] = []
+    if s.torque_peak_joint is not None:
+        where = s.torque_peak_joint.replace("_", " ")
+        tiles += [
+            (
+                "Joint torque",
+                _value(s.torque_peak_nm, "N m", 0),
+                f"peak ({where}); mean {s.torque_mean_nm:.1f} N m",
+            ),
+            (
+                "Joint power",
+                _value(s.power_mean_w, "W", 0),
+                f"mean of absolute powers; peak sum {s.power_peak_w:.0f} W",
+            ),
+        ]
+    if s.energy_drift_percent is not None:
+        tiles.append(("Energy drift", _value(s.energy_drift_percent, "%", 2), "in flight"))
+    if s.real_time_factor is not None:
+        tiles.append(("Speed", _value(s.real_time_factor, "&times;", 0), "real time, to simulate"))
+    return tiles
+
+
+def _value(value: float, unit: str, decimals: int) -> str:
+    gap = "" if unit == "°" else "&#8239;"
+    return f"{value:.{decimals}f}{gap}<small>{unit}</small>"
+
+
+def _table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    columns = "".join(f'<th scope="col">{_text(h)}</th>' for h in head)
+    body = "".join(
+        f'<tr><th scope="row">{_text(row[0])}</th>'
+        + "".join(f"<td>{_text(cell)}</td>" for cell in row[1:])
+        + "</tr>"
+        for row in rows
+    )
+    return (
+        f'<div class="wide" tabindex="0" role="region" aria-label="{_text(caption)}">'
+        f"<table><caption>{_text(caption)}</caption><thead><tr>{columns}</tr></thead>"
+        f"<tbody>{body}</tbody></table></div>"
+    )
+
+
+def _joints(s: Score) -> str:
+    names = list(s.torque_peaks_nm) or list(s.joint_errors_deg)
+    if not names:
+        return ""
+
+    def cell(values: dict[str, float], name: str, decimals: int) -> str:
+        return f"{values[name]:.{decimals}f}" if name in values else "-"
+
+    rows = [
+        (
+            name.replace("_", " "),
+            cell(s.joint_errors_deg, name, 2),
+            cell(s.torque_means_nm, name, 1),
+            cell(s.torque_peaks_nm, name, 1),
+            cell(s.strength_percent, name, 0),
+        )
+        for name in names
+    ]
+    head = ("Joint", "Error, rms [°]", "Mean [N m]", "Peak [N m]", "Of human limit [%]")
+    table = _table("Error and torque of every joint", head, rows)
+    return f"<section><h2>Joints</h2>{table}</section>"
+
+
+def _contacts(m: Measured, character: int) -> str:
+    who, table, rows = m.performer(character), m.contacts, []
+    for link, body in zip(who.links, who.bodies, strict=True):
+        mine = table.involving(np.array([body]))
+        if not mine.any():
+            continue
+        force = np.linalg.norm(table.force_on(np.array([body]), m.frames), axis=1)
+        seconds = len(np.unique(table.frame[mine & (table.depth > 0)])) / m.rate
+        normal = np.abs(np.sum(table.force[mine] * table.normal[mine], axis=1))
+        slip = float(np.sum(normal * table.slip[mine]) / max(normal.sum(), 1e-12))
+        rows.append(
+            (
+                link.replace("_", " "),
+                f"{seconds:.2f}",
+                f"{force.max():.0f}",
+                f"{force.sum() / m.rate:.1f}",
+                f"{1e3 * max(0.0, float(table.depth[mine].max())):.1f}",
+                f"{1e3 * slip:.0f}",
+            )
+        )
+    if not rows:
+        return ""
+    head = ("Link", "Time [s]", "Peak force [N]", "Impulse [N s]", "Depth [mm]", "Slide [mm/s]")
+    words = (
+        "What touched. Impulse is force times time; compare it rather than peak force, which "
+        "depends on how hard the surfaces are."
+    )
+    made = _table("Contacts by link", head, rows)
+    return f"<section><h2>Contacts</h2><p>{words}</p>{made}</section>"
+
+
+def _notes(take: Take, character: int) -> str:
+    out = []
+    captured, reference = take.captured[character], take.references[character]
+    body = take.scene.characters[character]
+    seen: set[str] = set()
+    for heading, notes in (
+        ("Reading the clip", () if captured is None else captured.notes),
+        ("Preparing it for the character", () if reference is None else reference.notes),
+        ("The character", getattr(body, "notes", ())),
+    ):
+        fresh = [note for note in notes if note not in seen]
+        seen |= set(fresh)
+        if fresh:
+            items = "".join(f"<li>{_text(note)}</li>" for note in fresh)
+            out.append(f"<h3>{heading}</h3><ul>{items}</ul>")
+    return f"<section><h2>Notes</h2>{''.join(out)}</section>" if out else ""
+
+
+def _footer(take: Take, scores: Sequence[Score]) -> str:
+    facts = {
+        **{key: value for key, value in take.facts.items() if not isinstance(value, dict | list)},
+        "seed": take.seed,
+        "physics step": f"{1e3 / take.rate:.3g} ms",
+        "measured at": f"{scores[0].frame_rate_hz:.4g} Hz",
+        **scores[0].versions,
+    }
+
+    def shown(value: object) -> str:
+        return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+    items = "".join(
+        f"<div><dt>{_text(key.replace('_', ' '))}</dt><dd>{_text(shown(value))}</dd></div>"
+        for key, value in facts.items()
+    )
+    return f'<footer><h2>How it was made</h2><dl class="facts">{items}</dl></footer>'
+
+
+_PAGE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<meta name="generator" content="Understudy">
+<link rel="icon" href="data:,">
+<title>{title}</title>
+<style>{style}</style>
+</head>
+<body>
+<main>
+{body}
+</main>
+<script>{script}</script>
+</body>
+</html>
+"""
+
+_STYLE = """
+:root{--page:#fff;--ink:#1c1f24;--dim:#5c6470;--rule:#dfe3e8;--panel:#f5f7f9;
+ --good:#12724b;--held:#9a4a06;--c0:#1f5fc4;--c1:#c4501a;--c2:#0f8a63;--c3:#8453bd;
+ --c4:#7a7f18;--c5:#b03a72}
+@media (prefers-color-scheme:dark){:root{--page:#15181c;--ink:#e8eaed;--dim:#9aa3ae;
+ --rule:#30363d;--panel:#1d2126;--good:#5fd3a2;--held:#f0a35c;--c0:#7fb0ff;--c1:#ff9a66;
+ --c2:#54d1a4;--c3:#c7a4ff;--c4:#d3d86a;--c5:#ff8fc0}}
+*{box-sizing:border-box}
+body{margin:0;background:var(--page);color:var(--ink);
+ font:16px/1.5 system-ui,-apple-system,"Segoe UI",sans-serif}
+main{max-width:62rem;margin:0 auto;padding:1.5rem clamp(1rem,4vw,2rem) 3rem}
+h1{margin:0 0 1rem;font-size:clamp(1.6rem,5vw,2.3rem);line-height:1.15;overflow-wrap:anywhere}
+h2{margin:2.5rem 0 .75rem;font-size:1.3rem;border-top:1px solid var(--rule);padding-top:1rem}
+h3{margin:1.25rem 0 .5rem;font-size:1rem}
+p{max-width:75ch}
+.kicker{margin:0;color:var(--dim);font-size:.875rem}
+.verdict{padding:.75rem 1rem;background:var(--panel);border-left:4px solid var(--held);
+ border-radius:0 .4rem .4rem 0}
+.verdict.good{border-color:var(--good)}.verdict b{color:var(--held)}
+.verdict.good b{color:var(--good)}
+.verdict p{margin:.2rem 0 0}
+.unseen{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%);margin:0}
+.player{margin-top:1.25rem}
+.player iframe{display:block;width:100%;height:clamp(20rem,58vw,36rem);border:1px solid var(--rule);
+ border-radius:.4rem;background:#dfe6ee}
+.onpaper{display:none}
+.tiles{display:grid;grid-template-columns:repeat(auto-fill,minmax(10.5rem,1fr));gap:.6rem;margin:0}
+.tiles div{padding:.6rem .8rem;background:var(--panel);border-radius:.4rem}
+.tiles dt{font-size:.8125rem;color:var(--dim)}
+.tiles dd{margin:0}
+.tiles b{display:block;font-size:1.35rem;font-weight:600;line-height:1.25;
+ font-variant-numeric:tabular-nums}
+.tiles b small{font-size:.8125rem;font-weight:400;margin-left:.05rem}
+.tiles span{font-size:.8125rem;color:var(--dim);line-height:1.3;display:block}
+.wide{overflow-x:auto}
+.wide table{border-collapse:collapse;width:100%;font-size:.875rem}
+.wide caption{text-align:left;color:var(--dim);padding-bottom:.4rem}
+.wide th,.wide td{padding:.3rem .6rem .3rem 0;border-bottom:1px solid var(--rule);text-align:right;
+ font-variant-numeric:tabular-nums}
+.wide th:first-child{text-align:left;padding-right:1rem}
+.wide tbody th{font-weight:400}
+ul{padding-left:1.2rem}li{overflow-wrap:anywhere}
+.facts{display:grid;grid-template-columns:repeat(auto-fill,minmax(13rem,1fr));gap:.3rem 2rem;
+ font-size:.875rem;margin:0}
+.facts div{display:flex;justify-content:space-between;gap:1rem;border-bottom:1px solid var(--rule)}
+.facts dt{color:var(--dim)}.facts dd{margin:0;overflow-wrap:anywhere;text-align:right}
+@media print{
+ :root{--page:#fff;--ink:#000;--dim:#444;--rule:#bbb;--panel:#f3f3f3}
+ body{font-size:11pt}main{max-width:none;padding:0}
+ .player iframe{display:none}.onpaper{display:block}
+ .tiles div,.wide tr,.verdict{break-inside:avoid}
+ h2,h3{break-after:avoid}
+}
+"""

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import itertools
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from bodies import chain, still
+from understudy.control import Tracking
+from understudy.performance import Performance
+from understudy.report import report_html, write_report
+from understudy.scene import Scene
+from understudy.simulate import simulate
+from understudy.take import Take
+
+
+@pytest.fixture(scope="module")
+def take() -> Take:
+    body = chain(3)
+    clip = still(body, seconds=0.5).noted("Frame 1 <looked> like a T-pose.")
+    tracking = Tracking(reference=clip, captured=clip, pelvis="led")
+    return simulate(
+        Performance(scene=Scene(characters=(body,)), controllers=(tracking,), duration=0.5)
+    )
+
+
+@pytest.fixture(scope="module")
+def page(take: Take) -> str:
+    return report_html(take)
+
+
+class Outline(HTMLParser):
+    """Collects tags and what they refer to."""
+
+    void = frozenset({"meta", "link", "br", "path", "input", "img", "hr"})
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.headings: list[str] = []
+        self.attributes: list[tuple[str, dict[str, str | None]]] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.attributes.append((tag, dict(attrs)))
+        if tag not in self.void:
+            self.open.append(tag)
+        if re.fullmatch(r"h[1-6]", tag):
+            self.headings.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in self.void:
+            assert self.open.pop() == tag
+
+
+@pytest.fixture(scope="module")
+def outline(page: str) -> Outline:
+    found = Outline()
+    found.feed(page)
+    return found
+
+
+def test_report_is_well_formed(outline: Outline) -> None:
+    assert outline.open == []
+
+
+def test_headings_never_skip_a_level(outline: Outline) -> None:
+    levels = [int(h[1]) for h in outline.headings]
+    assert levels[0] == 1 and levels.count(1) == 1
+    assert all(b <= a + 1 for a, b in itertools.pairwise(levels))
+
+
+def test_report_says_in_words_what_holds_the_body(page: str) -> None:
+    assert "Not fully physical" in page
+    assert "The pelvis is led along the clip by an outside force of" in page
+
+
+def test_report_reaches_for_nothing_outside_itself(page: str, outline: Outline) -> None:
+    assert not re.search(r"(https?:)?//[a-z0-9-]+\.[a-z]", page)
+    for _, attributes in outline.attributes:
+        for name in ("src", "href"):
+            assert (attributes.get(name) or "data:,").startswith("data:")
+
+
+def test_everything_drawn_has_a_text_in_its_place(outline: Outline) -> None:
+    plots = [a for _, a in outline.attributes if a.get("class") == "plot"]
+    assert plots and all(a.get("role") == "img" and a.get("aria-label") for a in plots)
+    frames = [a for tag, a in outline.attributes if tag == "iframe"]
+    assert frames and all(a.get("title") for a in frames)
+
+
+def test_notes_are_shown_and_escaped(page: str) -> None:
+    assert "Frame 1 &lt;looked&gt; like a T-pose." in page
+    assert "<looked>" not in page
+
+
+def test_report_names_the_versions_and_the_seed(page: str) -> None:
+    assert "mujoco" in page and "seed" in page
+
+
+def test_no_figure_is_nan(page: str) -> None:
+    shown = page.split("</iframe>")[1].split("<script>")[0]
+    assert not re.search(r"\b(nan|inf|None)\b", shown)
+
+
+def test_report_is_written_whole(take: Take, tmp_path: Path) -> None:
+    write_report(take, tmp_path / "new" / "report.html", title="A title")
+    text = (tmp_path / "new" / "report.html").read_text(encoding="utf-8")
+    assert "<title>A title</title>" in text and text.endswith("</html>\n")
