@@ -103,7 +103,7 @@ def framed(
     direction = np.array(
         [flat * np.cos(bearing), flat * np.sin(bearing), np.sin(_ELEVATION)],
     )
-    path = _smoothed(path, _SMOOTH * rate) if follows else np.zeros_like(path)
+    path = smoothed(path, rate) if follows else np.zeros_like(path)
     center, distance = _fit((points - path[:, None]).reshape(-1, 3), direction, aspect)
     return Shot(targets=path + center, direction=direction, distance=distance)
 
@@ -144,10 +144,10 @@ def _fit(points: Array, direction: Array, aspect: float) -> tuple[Array, float]:
     return np.array([*center, middle]) @ axes, float(distance + middle)
 
 
-def _smoothed(path: Array, frames: float) -> Array:
-    """A path evened out by a Gaussian of standard deviation `frames`."""
+def smoothed(path: Array, rate: float) -> Array:
+    """A path (frames, 3) at `rate` [Hz] without the sway of single steps."""
     from scipy.ndimage import gaussian_filter1d
 
-    if len(path) < 3 or frames < 0.1:
+    if len(path) < 3 or _SMOOTH * rate < 0.1:
         return np.array(path)
-    return gaussian_filter1d(path, frames, axis=0, mode="nearest")
+    return gaussian_filter1d(path, _SMOOTH * rate, axis=0, mode="nearest")

@@ -72,7 +72,7 @@ def still(
         InvalidValue: A time outside the motion, or a size that is no picture.
         UnknownName: No such view, ghost or renderer.
     """
-    _checked_size(width, height)
+    checked_size(width, height)
     rate = thing.rate if isinstance(thing, Clip) else min(thing.rate, 240.0)
     shown = arranged(playback(thing, rate=rate), ghost, view)
     frame = shown.nearest(time)
@@ -123,7 +123,7 @@ def contact_sheet(
         UnknownName: No such view or renderer.
         MissingExtra: Pillow, which writes the labels, is not installed.
     """
-    _checked_size(width, height)
+    checked_size(width, height)
     if not 1 <= count <= 200:
         raise InvalidValue(f"count is {count}; it must lie between 1 and 200.")
     require("PIL", extra="video")
@@ -164,7 +164,8 @@ def drawn(
     )
 
 
-def _checked_size(width: int, height: int) -> None:
+def checked_size(width: int, height: int) -> None:
+    """Refuse sizes [pixels] that are no picture; raises `InvalidValue`."""
     if not (16 <= width <= 7680 and 16 <= height <= 4320):
         raise InvalidValue(
             f"A picture of {width} x {height} pixels; it must lie in 16 x 16 to 7680 x 4320."

@@ -19,7 +19,7 @@ from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
 from understudy.output import bones, meshes
-from understudy.output.camera import Shot, bearing_of, framed
+from understudy.output.camera import Shot, bearing_of, framed, smoothed
 
 if TYPE_CHECKING:
     from understudy.take import Take
@@ -112,6 +112,10 @@ class Playback:
         """Mean position of the performers' roots [m], shape (frames, 3)."""
         return np.mean([self.qpos[:, r : r + 3] for r in self.roots], axis=0)
 
+    def smooth_path(self) -> Array:
+        """The path that a following camera takes [m], shape (frames, 3)."""
+        return smoothed(self.path, self.rate)
+
     def beside(self, view: str = "follow") -> Playback:
         """The same with the ghost moved to the left, as the camera of `view` sees it."""
         if self.ghost is None:
@@ -140,9 +144,14 @@ class Playback:
 
     def between(self, first: int, last: int) -> Playback:
         """Only the frames from `first` up to `last`, which is left out."""
-        part = slice(first, last)
-        ghost = None if self.ghost is None else self.ghost[part]
-        shown = replace(self, times=self.times[part], qpos=self.qpos[part], ghost=ghost)
+        return self.chosen(np.arange(first, last), rate=self.rate)
+
+    def chosen(self, frames: np.ndarray, *, rate: float) -> Playback:
+        """Only the frames numbered, seen as from the same side, at a new rate [Hz]."""
+        ghost = None if self.ghost is None else self.ghost[frames]
+        shown = replace(
+            self, times=self.times[frames], qpos=self.qpos[frames], ghost=ghost, rate=rate
+        )
         shown.__dict__["heading"] = self.heading
         return shown
 

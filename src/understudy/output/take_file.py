@@ -1,0 +1,301 @@
+"""Takes on disk: one .npz file of plain arrays and a JSON text, never pickled.
+
+The JSON text holds the take's values as a tree. A number, a text or None stands for itself; an
+array is a reference to another entry of the file; a value type of this package is its name and its
+fields. Reading makes only value types of this package, which check themselves.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import importlib
+import io
+import json
+import sys
+import zipfile
+import zlib
+from os import PathLike
+from pathlib import Path
+from typing import Any, cast
+
+import mujoco
+import numpy as np
+
+from understudy.errors import UnderstudyError
+from understudy.motion.files import written
+from understudy.take import Take
+
+_FORMAT, _VERSION = "understudy take", 1
+_ENTRY = "take.json"
+# Only these packages have values that a take is made of.
+_HOMES = ("understudy.motion.", "understudy.character.", "understudy.scene.", "understudy.take")
+_NOT_STORED = {"performance", "model"}
+_MOST_BYTES = 8 * 2**30
+_DEPTH = 40
+_OPTIONS = ("integrator", "cone", "jacobian", "solver", "iterations", "disableflags", "enableflags")
+
+
+def save_take(take: Take, path: str | PathLike[str]) -> None:
+    """Write a take, with its scene and clips, to an .npz file.
+
+    What was asked for (`take.performance`) is not kept: controllers are programs.
+
+    Raises:
+        UnderstudyError: The file cannot be written, or the scene holds a value that is not plain
+            data, such as a prop with a function.
+    """
+    arrays: dict[str, np.ndarray] = {}
+    document = {
+        "format": _FORMAT,
+        "version": _VERSION,
+        "engine": mujoco.__version__,
+        "take": _plain(take, arrays, "take"),
+        "model": _plain(_changes(take.scene.model, take.model), arrays, "model"),
+    }
+    text = json.dumps(document, allow_nan=True)
+    with written(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_STORED) as file:
+        file.writestr(_ENTRY, text, zipfile.ZIP_DEFLATED, 6)
+        for name, array in arrays.items():
+            block = io.BytesIO()
+            np.lib.format.write_array(block, np.ascontiguousarray(array), allow_pickle=False)
+            file.writestr(f"{name}.npy", block.getvalue())
+
+
+def load_take(path: str | PathLike[str]) -> Take:
+    """Read a take that `save_take` wrote; its `performance` is None.
+
+    Raises:
+        UnderstudyError: No such file, or it is no take file, damaged, or of another version; one
+            line that says which.
+    """
+    try:
+        with zipfile.ZipFile(Path(path)) as file:
+            return _read(file)
+    except UnderstudyError as error:
+        raise UnderstudyError(f"{path}: {error}") from error
+    except FileNotFoundError as error:
+        raise UnderstudyError(f"{path}: there is no such file.") from error
+    except OSError as error:
+        raise UnderstudyError(f"{path}: cannot be read: {error.strerror or error}.") from error
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
+        raise UnderstudyError(f"{path}: is no take file, or was cut short: {error}.") from error
+    except (
+        ArithmeticError,
+        AttributeError,
+        AssertionError,
+        LookupError,
+        MemoryError,
+        RecursionError,
+        RuntimeError,
+        TypeError,
+        ValueError,
+        mujoco.FatalError,
+    ) as error:
+        raise UnderstudyError(
+            f"{path}: is damaged: {str(error) or type(error).__name__}"
+        ) from error
+
+
+def is_take_file(path: str | PathLike[str]) -> bool:
+    """Whether a file looks like one that `save_take` wrote; never raises."""
+    try:
+        with zipfile.ZipFile(Path(path)) as file:
+            return _ENTRY in file.namelist()
+    except (OSError, ValueError, zipfile.BadZipFile):
+        return False
+
+
+def _read(file: zipfile.ZipFile) -> Take:
+    names = {info.filename: info.file_size for info in file.infolist()}
+    if _ENTRY not in names:
+        raise UnderstudyError("is no take file: it has no entry " + repr(_ENTRY) + ".")
+    if sum(names.values()) > _MOST_BYTES:
+        raise UnderstudyError(f"would take more than {_MOST_BYTES >> 30} GiB in memory.")
+    document = json.loads(file.read(_ENTRY))
+    if not isinstance(document, dict) or document.get("format") != _FORMAT:
+        raise UnderstudyError("is no take file.")
+    if document.get("version") != _VERSION:
+        raise UnderstudyError(
+            f"was written in version {document.get('version')!r} of the take format; this program "
+            f"reads version {_VERSION}."
+        )
+    reader = _Reader(file)
+    fields = reader.fields(document["take"], Take)
+    scene = fields["scene"]
+    model = copy.copy(scene.model)
+    for name, value in reader.value(document["model"]).items():
+        _set(model, name, value)
+    take = Take(**fields, model=model)
+    widths = {"qpos": model.nq, "qvel": model.nv, "ctrl": model.nu, "qfrc_applied": model.nv}
+    for name, width in widths.items():
+        shape = getattr(take, name).shape
+        if shape != (take.frames, width):
+            raise UnderstudyError(f"{name} has shape {shape}; the scene needs (frames, {width}).")
+        if not np.isfinite(getattr(take, name)).all():
+            raise UnderstudyError(f"{name} has values that are not finite.")
+    if take.frames < 1 or len(take.references) != len(scene.characters):
+        raise UnderstudyError("has no frames, or not one reference for each character.")
+    return take
+
+
+def _plain(value: Any, arrays: dict[str, np.ndarray], where: str) -> Any:
+    """A value as JSON; arrays go to `arrays` under a name from where they are."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, np.ndarray):
+        if value.dtype.kind not in "fiub":
+            raise UnderstudyError(f"{where} holds an array of {value.dtype}, which is no number.")
+        if value.size and not value.any() and value.size > 16:  # forces nobody applied
+            return {"zeros": list(value.shape)}
+        name = f"{len(arrays):04d}.{where[-80:]}"
+        arrays[name] = value
+        return {"array": name}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        kind = type(value)
+        name = f"{kind.__module__}.{kind.__qualname__}"
+        if name.startswith(_HOMES) and "<" not in name:
+            return {
+                "type": name,
+                "fields": {
+                    field.name: _plain(getattr(value, field.name), arrays, f"{where}.{field.name}")
+                    for field in dataclasses.fields(value)
+                    if field.init and not (kind is Take and field.name in _NOT_STORED)
+                },
+            }
+    if isinstance(value, dict):
+        return {
+            "pairs": [
+                [_plain(k, arrays, where), _plain(v, arrays, f"{where}.{k}")]
+                for k, v in value.items()
+            ]
+        }
+    if isinstance(value, tuple | list | set | frozenset):
+        kind = "tuple" if isinstance(value, tuple) else type(value).__name__
+        parts = sorted(value) if isinstance(value, set | frozenset) else value
+        return {kind: [_plain(v, arrays, f"{where}.{i}") for i, v in enumerate(parts)]}
+    raise UnderstudyError(
+        f"{where} is a {type(value).__name__}, which a take file cannot hold; it holds numbers, "
+        "texts, arrays and this package's own values."
+    )
+
+
+@dataclasses.dataclass
+class _Reader:
+    """Makes values of the JSON tree again."""
+
+    file: zipfile.ZipFile
+    depth: int = 0
+
+    def value(self, node: Any) -> Any:
+        if node is None or isinstance(node, bool | int | float | str):
+            return node
+        if not isinstance(node, dict):
+            raise UnderstudyError(f"holds a {type(node).__name__} where a value should be.")
+        self.depth += 1
+        if self.depth > _DEPTH:
+            raise UnderstudyError(f"holds values nested deeper than {_DEPTH}.")
+        try:
+            return self._made(node)
+        finally:
+            self.depth -= 1
+
+    def _made(self, node: dict[str, Any]) -> Any:
+        if "array" in node:
+            return self._array(node["array"])
+        if "zeros" in node:
+            shape = tuple(int(n) for n in node["zeros"])
+            if len(shape) > 8 or min(shape, default=0) < 0 or np.prod(shape, dtype=float) > 1e9:
+                raise UnderstudyError(f"holds an array of shape {shape}.")
+            return np.broadcast_to(0.0, shape)
+        if "type" in node:
+            kind = _value_type(node["type"])
+            return kind(**self.fields(node, kind))
+        if "pairs" in node:
+            return {self.value(k): self.value(v) for k, v in node["pairs"]}
+        for name, kind in (
+            ("tuple", tuple),
+            ("list", list),
+            ("set", set),
+            ("frozenset", frozenset),
+        ):
+            if name in node:
+                return kind(self.value(part) for part in node[name])
+        raise UnderstudyError("holds a value of no known kind.")
+
+    def fields(self, node: dict[str, Any], kind: type) -> dict[str, Any]:
+        """Constructor arguments of a value; unknown ones are refused."""
+        known = {field.name for field in dataclasses.fields(cast(Any, kind)) if field.init}
+        given = node["fields"]
+        if not isinstance(given, dict) or not known.issuperset(given):
+            raise UnderstudyError(
+                f"holds a {kind.__name__} with fields that this version does not know."
+            )
+        return {name: self.value(part) for name, part in given.items()}
+
+    def _array(self, name: Any) -> np.ndarray:
+        with self.file.open(f"{name}.npy") as stream:
+            array = np.lib.format.read_array(stream, allow_pickle=False)
+        if array.dtype.kind not in "fiub":
+            raise UnderstudyError(f"holds an array of {array.dtype}, which is no number.")
+        return array
+
+
+def _value_type(name: Any) -> type:
+    """The frozen dataclass of this package called `name`."""
+    if not (isinstance(name, str) and name.startswith(_HOMES)):
+        raise UnderstudyError(f"names {name!r}, which is no value of this package.")
+    module, _, own = name.rpartition(".")
+    if module not in sys.modules:
+        try:
+            importlib.import_module(module)
+        except ImportError:
+            raise UnderstudyError(f"names {name!r}, which this version does not have.") from None
+    kind = getattr(sys.modules[module], own, None)
+    if not (
+        isinstance(kind, type)
+        and dataclasses.is_dataclass(kind)
+        and kind.__module__ == module
+        and kind.__dataclass_params__.frozen  # type: ignore[attr-defined]
+    ):
+        raise UnderstudyError(f"names {name!r}, which this version does not have.")
+    return kind
+
+
+def _changes(before: mujoco.MjModel, after: mujoco.MjModel) -> dict[str, Any]:
+    """Numbers of a model that differ from the scene's: gains, limits, options."""
+    out: dict[str, Any] = {}
+    for name in dir(before):
+        if name.startswith("_"):
+            continue
+        old = getattr(before, name)
+        if isinstance(old, np.ndarray) and old.dtype.kind == "f" and old.size:
+            new = getattr(after, name)
+            if new.shape == old.shape and not np.array_equal(old, new):
+                out[name] = np.array(new)
+    for name in _OPTIONS:
+        if getattr(before.opt, name) != getattr(after.opt, name):
+            out[f"opt.{name}"] = int(getattr(after.opt, name))
+    if before.opt.timestep != after.opt.timestep:
+        out["opt.timestep"] = float(after.opt.timestep)
+    return out
+
+
+def _set(model: mujoco.MjModel, name: Any, value: Any) -> None:
+    """Set one number of a model; only such as cannot lead the engine astray."""
+    if not isinstance(name, str) or name.startswith("_"):
+        raise UnderstudyError(f"changes {name!r} of the model.")
+    if name == "opt.timestep":
+        model.opt.timestep = float(value)
+        return
+    if name.removeprefix("opt.") in _OPTIONS and name.startswith("opt."):
+        setattr(model.opt, name.removeprefix("opt."), int(value))
+        return
+    held = getattr(model, name, None)
+    if not (isinstance(held, np.ndarray) and held.dtype.kind == "f"):
+        raise UnderstudyError(f"changes {name!r} of the model.")
+    if np.shape(value) != held.shape or not np.isfinite(value).all():
+        raise UnderstudyError(f"changes {name!r} of the model to something that does not fit.")
+    held[:] = value
