@@ -33,16 +33,18 @@ _HOMES = {
     "Take": "take",
     "UnderstudyError": "errors",
     "fetch": "motion.fetch",
+    "load_take": "output",
     "read": "motion.read",
-    "report": "report",
     "retargeted": "character.retarget",
     "sample": "motion.samples",
     "samples": "motion.samples",
     "score": "evaluate",
     "simulate": "simulate",
-    "track": "tuning",
+    "track": "simulate",
+    "tracked": "performance",
     "tune": "tuning",
     "write": "output",
+    "write_report": "report",
 }
 
 __all__ = [*_HOMES, "__version__"]

@@ -6,6 +6,7 @@ fails or is interrupted leaves what was there before untouched.
 
 from __future__ import annotations
 
+import json
 import tempfile
 import time
 from collections.abc import Iterator
@@ -14,7 +15,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from understudy.app.body import Body, character_for
+from understudy.app.body import OWN, Body, character_for
+from understudy.app.outcome import plain
 from understudy.app.reading import Reading, clip_from
 from understudy.errors import Diverged, UnderstudyError
 
@@ -90,18 +92,21 @@ def performed(job: Job) -> Row:
         UnderstudyError: As its subclasses say; nothing was written.
     """
     import understudy as us
+    from understudy.evaluate import certificate
 
     started = time.monotonic()
     clip = clip_from(job.clip, job.reading)
     character = character_for(clip, job.body)
     take = us.track(clip, character, **job.settings)
-    score = us.score(take)
+    found = certificate(take)
     with staged(job.folder, job.name) as (folder, files):
         write_all(take, clip, folder, job)
+        text = json.dumps(plain(found), indent=2, ensure_ascii=False, allow_nan=False)
+        (folder / f"{job.name}.json").write_text(text + "\n", encoding="utf-8")
     return Row(
         clip=job.clip,
         name=job.name,
-        certificate=score.certificate(),
+        certificate=found,
         files=files,
         notes=clip.notes,
         seconds=time.monotonic() - started,
@@ -109,8 +114,18 @@ def performed(job: Job) -> Row:
 
 
 def write_all(take: Take, clip: Clip, folder: Path, job: Job) -> None:
-    """Every file of one take, into `folder`."""
-    raise NotImplementedError
+    """Every file of one take but its certificate, into `folder`."""
+    import understudy as us
+    from understudy.character.retarget import restored
+
+    (character,) = take.scene.characters
+    motion = take.clip()
+    if job.body.character == OWN:
+        motion = restored(motion, clip, character)
+    stem = folder / job.name
+    us.write(motion, f"{stem}_sim.bvh")
+    us.write(take, f"{stem}_sim.glb", f"{stem}.take.npz", *(f"{stem}{k}" for k in job.kinds))
+    us.write_report(take, f"{stem}.html")
 
 
 @contextmanager

@@ -42,7 +42,7 @@ class Options(Body, Reading):
     Attributes:
         clips: Motion files, or samples as sample:NAME.
         law: modern (follows without lag) or paper (Zordan & Hodgins 1999).
-        pelvis: led along its path, assisted softly, or free.
+        pelvis: led along its path (usual without legs), assisted softly (usual), or free.
         stiffness: Servo stiffness per inertia [1/s^2].
         torque_limits: Bound every joint by human strength, or not.
         seed: Seed of every random choice.
@@ -53,9 +53,14 @@ class Options(Body, Reading):
         json: Print one JSON object.
     """
 
-    clips: Positional[Annotated[tuple[str, ...], arg(metavar="CLIP [CLIP ...]")]]
+    clips: Positional[
+        Annotated[tuple[str, ...], arg(metavar="CLIP [CLIP ...]", help_behavior_hint="(required)")]
+    ]
     law: Literal["modern", "paper"] = "modern"
-    pelvis: Literal["led", "assisted", "free"] = "assisted"
+    pelvis: Annotated[
+        Literal["led", "assisted", "free"] | None,
+        arg(metavar="{led,assisted,free}", help_behavior_hint="(default: by the body's legs)"),
+    ] = None
     stiffness: Annotated[float | None, arg(metavar="K", help_behavior_hint="(default: by law)")] = (
         None
     )

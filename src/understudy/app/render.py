@@ -1,0 +1,73 @@
+"""`understudy render`: pictures of a saved take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from tyro.conf import Positional, arg
+
+from understudy.app.outcome import Outcome
+from understudy.app.performing import staged
+
+if TYPE_CHECKING:
+    from understudy.take import Take
+
+EXAMPLE = "  understudy render out/gesture.take.npz --video --stills"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """Make a video, a contact sheet or an HTML player from a saved take.
+
+    Without --video, --stills or --player, the contact sheet and the player are made.
+
+    Attributes:
+        take: A take file, NAME.take.npz.
+        out: Folder for the files.
+        video: NAME.mp4.
+        stills: NAME.png, a contact sheet of captured and simulated poses.
+        player: NAME_player.html, a 3D player in one file.
+        view: front, three-quarter, side or back; follow-... keeps the body in the middle.
+        renderer: opengl where it works, or raycast, which works everywhere.
+        json: Print one JSON object.
+    """
+
+    take: Positional[Annotated[Path, arg(metavar="TAKE")]]
+    out: Annotated[
+        Path | None, arg(metavar="DIR", help_behavior_hint="(default: beside the take)")
+    ] = None
+    video: bool = False
+    stills: bool = False
+    player: bool = False
+    view: str = "follow"
+    renderer: Literal["auto", "opengl", "raycast"] = "auto"
+    json: bool = False
+
+
+def run(options: Options) -> Outcome:
+    """Draw what was asked for."""
+    import understudy as us
+
+    take = us.load_take(options.take)
+    name = options.take.name.removesuffix(".npz").removesuffix(".take")
+    with staged(options.out or options.take.parent, name) as (folder, files):
+        draw(take, folder, name, options)
+    result = {"take": str(options.take), "files": files}
+    return Outcome(result=result, text="\n".join(files.values()))
+
+
+def draw(take: Take, folder: Path, name: str, options: Options) -> None:
+    """Write the pictures into `folder`."""
+    from understudy import output
+
+    nothing = not (options.video or options.stills or options.player)
+    if options.stills or nothing:
+        output.contact_sheet(
+            take, folder / f"{name}.png", view=options.view, renderer=options.renderer
+        )
+    if options.player or nothing:
+        output.write_player(take, folder / f"{name}_player.html")
+    if options.video:
+        output.video(take, folder / f"{name}.mp4", view=options.view, renderer=options.renderer)

@@ -1,0 +1,126 @@
+"""`understudy tune`: the servo stiffness that follows a clip best."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from tyro.conf import Positional, arg
+
+from understudy.app.body import Body, character_for
+from understudy.app.outcome import Outcome, plain, table
+from understudy.app.performing import staged
+from understudy.app.reading import Reading, clip_from, stem
+
+if TYPE_CHECKING:
+    from understudy.tuning import Tuned
+
+EXAMPLE = "  understudy tune sample:gesture --law paper --out out"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(Body, Reading):
+    """Search for the servo stiffness that follows a clip best, by gradient.
+
+    The error alone falls with stiffness forever; a cost on torque puts the optimum where more
+    stiffness no longer buys accuracy. Writes NAME_tuning.json, and NAME_tuning.png where matplotlib
+    is installed.
+
+    Attributes:
+        clip: A motion file, or sample:NAME.
+        law: modern, or paper (Zordan & Hodgins 1999).
+        torque_weight: Radians of error worth a torque of one body weight times height.
+        low: Least stiffness tried [1/s^2].
+        high: Greatest stiffness tried [1/s^2].
+        survey: Trials of the first survey.
+        out: Folder for the files.
+        json: Print one JSON object.
+    """
+
+    clip: Positional[Annotated[str, arg(metavar="CLIP")]]
+    law: Literal["modern", "paper"] = "modern"
+    torque_weight: Annotated[float, arg(metavar="W")] = 1.0
+    low: Annotated[float, arg(metavar="K")] = 10.0
+    high: Annotated[float, arg(metavar="K")] = 1e5
+    survey: Annotated[int, arg(metavar="N")] = 9
+    out: Annotated[Path, arg(metavar="DIR")] = Path()
+    json: bool = False
+
+
+def run(options: Options) -> Outcome:
+    """Search, and write the trials and their plot."""
+    import understudy as us
+
+    clip = clip_from(options.clip, options)
+    performance = us.tracked(clip, character_for(clip, options), law=options.law)
+    tuned = us.tune(
+        performance,
+        torque_weight=options.torque_weight,
+        bounds=(options.low, options.high),
+        survey=options.survey,
+        progress=True,
+    )
+    found = result(options, tuned)
+    name = f"{stem(options.clip)}_tuning"
+    with staged(options.out, name) as (folder, files):
+        text = json.dumps(plain(found), indent=2)
+        (folder / f"{name}.json").write_text(text, encoding="utf-8")
+        plot(tuned, folder / f"{name}.png")
+    return Outcome(result=found | {"files": files}, text=summary(tuned, files))
+
+
+def result(options: Options, tuned: Tuned) -> dict[str, Any]:
+    """A search as plain values."""
+    return {
+        "clip": options.clip,
+        "best": asdict(tuned.best),
+        "trials": [asdict(trial) for trial in tuned.trials],
+        "settings": dict(tuned.settings),
+        "units": {"stiffness": "1/s^2", "error": "rad", "torque": "of body weight x height"},
+    }
+
+
+def summary(tuned: Tuned, files: dict[str, str]) -> str:
+    """The trials as a table, the best one, and the files."""
+    rows = [("stiffness 1/s^2", "error deg", "torque % BW x height", "cost")]
+    rows += [
+        (
+            f"{t.stiffness:.0f}",
+            f"{math.degrees(t.error):.3f}",
+            f"{100 * t.torque:.3f}",
+            f"{t.cost:.5f}",
+        )
+        for t in tuned.trials
+    ]
+    lines = [table(rows, right=range(4)), "", f"best stiffness: {tuned.best.stiffness:.0f} /s^2"]
+    return "\n".join([*lines, *(f"  {path}" for path in files.values())])
+
+
+def plot(tuned: Tuned, path: Path) -> None:
+    """Error, torque and their sum against stiffness, where matplotlib is installed."""
+    import numpy as np
+
+    from understudy.errors import MissingExtra
+    from understudy.evaluate.chart import Chart, Series, write_chart
+
+    trials = [t for t in tuned.trials if np.isfinite(t.cost)]
+    stiffness = np.array([t.stiffness for t in trials])
+    lines = {
+        "error [deg]": np.degrees([t.error for t in trials]),
+        "cost [deg]": np.degrees([t.cost for t in trials]),
+        "torque [% of body weight x height]": 100.0 * np.array([t.torque for t in trials]),
+    }
+    chart = Chart(
+        title=f"Stiffness for {tuned.settings['clip']}: best {tuned.best.stiffness:.0f} /s^2",
+        caption="Cost is error plus the weighted torque; its least value is the best stiffness.",
+        x_label="Stiffness [1/s^2]",
+        y_label="see legend",
+        series=tuple(Series(name=name, x=stiffness, y=y) for name, y in lines.items()),
+        x_scale="log",
+    )
+    with contextlib.suppress(MissingExtra):
+        write_chart(chart, path)
