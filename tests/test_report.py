@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from bodies import chain, still
+from understudy.character import Character
+from understudy.character.bodies import adult_woman
 from understudy.control import Tracking
 from understudy.performance import Performance
 from understudy.report import report_html, write_report
@@ -16,14 +18,18 @@ from understudy.simulate import simulate
 from understudy.take import Take
 
 
-@pytest.fixture(scope="module")
-def take() -> Take:
-    body = chain(3)
+def led(body: Character) -> Take:
+    """Half a second of a body that holds its neutral pose."""
     clip = still(body, seconds=0.5).noted("Frame 1 <looked> like a T-pose.")
     tracking = Tracking(reference=clip, captured=clip, pelvis="led")
     return simulate(
         Performance(scene=Scene(characters=(body,)), controllers=(tracking,), duration=0.5)
     )
+
+
+@pytest.fixture(scope="module")
+def take() -> Take:
+    return led(adult_woman())
 
 
 @pytest.fixture(scope="module")
@@ -108,3 +114,8 @@ def test_report_is_written_whole(take: Take, tmp_path: Path) -> None:
     write_report(take, tmp_path / "new" / "report.html", title="A title")
     text = (tmp_path / "new" / "report.html").read_text(encoding="utf-8")
     assert "<title>A title</title>" in text and text.endswith("</html>\n")
+
+
+def test_a_body_that_cannot_be_seen_still_has_a_report() -> None:
+    text = report_html(led(chain(3)))
+    assert "No picture" in text and "rod1 joint" in text

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from understudy.errors import InvalidValue
 from understudy.evaluate.certificate import certificate, scored, statement
 from understudy.evaluate.chart import SCRIPT, STYLE
 from understudy.evaluate.measure import Measured, measured
@@ -79,7 +80,10 @@ def _header(take: Take, name: str, scores: Sequence[Score]) -> str:
 
 
 def _player(take: Take, name: str) -> str:
-    page = player_html(take, title=name, autoplay=False)
+    try:
+        page = player_html(take, title=name, autoplay=False)
+    except InvalidValue as error:  # a body without any visible shape
+        return f'<p class="player">No picture: {_text(error)}</p>'
     return (
         '<section class="player"><h2 class="unseen">The motion in 3D</h2>'
         f'<iframe title="3D player of {_text(name)}" sandbox="allow-scripts" '
