@@ -176,7 +176,7 @@ def _drumming() -> Clip:
             (0.31 - 0.02 * lift, sign * (0.17 + 0.02 * lift), 0.975 + 0.055 * lift), axis=-1
         )
         elbow = np.broadcast_to([-0.7, 0.55 * sign, -0.4], wrist.shape)
-        pitch = np.radians(-16.0 + 50.0 * whip)
+        pitch = np.radians(-15.0 + 42.0 * whip)
         hand = _hand(np.full_like(pitch, -sign * np.radians(101.0)), pitch, 0.0 * pitch)
         place_hand(turned, skeleton, side, chest, wrist, elbow, hand)
     return _made("drumming", skeleton, turned, root)
