@@ -68,7 +68,10 @@ def _text(value: object) -> str:
 def _header(take: Take, name: str, scores: Sequence[Score]) -> str:
     found = certificate(take, scores=tuple(scores))
     verdict = "Fully physical" if found["fully_physical"] else "Not fully physical"
-    kind = "good" if found["fully_physical"] else "held"
+    fallen = any(s.fell_s is not None for s in scores)
+    if fallen:
+        verdict += ", and it fell" if not found["fully_physical"] else ", but it fell"
+    kind = "good" if found["fully_physical"] and not fallen else "held"
     words = "".join(
         f"<p>{f'<b>{_text(s.character)}.</b> ' if len(scores) > 1 else ''}{_text(statement(s))}</p>"
         for s in scores
@@ -184,9 +187,8 @@ def _contact_tiles(s: Score) -> list[Tile]:
 
 
 def _clip_penetration(s: Score) -> str:
-    if s.clip_penetration_mm is None:
-        return "deepest overlap"
-    return f"deepest overlap; the clip {s.clip_penetration_mm:.0f} mm"
+    own = "" if s.clip_penetration_mm is None else f"; the clip {s.clip_penetration_mm:.0f} mm"
+    return f"deepest; mean {s.penetration_mean_mm:.1f} mm{own}"
 
 
 def _effort_tiles(s: Score) -> list[Tile]:

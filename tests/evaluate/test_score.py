@@ -99,6 +99,21 @@ def test_playback_of_the_reference_has_no_error(standing: Any) -> None:
     assert s.root_position_mm == pytest.approx(0.0, abs=1e-9)
 
 
+def test_a_body_far_below_its_clip_has_fallen() -> None:
+    take = simulated(body_spec(ground=False), 1.0)
+    clip = Clip(
+        skeleton=take.scene.characters[0].skeleton,
+        rotations=np.tile([1.0, 0, 0, 0], (101, 2, 1)),
+        root_positions=np.zeros((101, 3)),
+        rate=100.0,
+    )
+    take.references = (clip,)
+    s = score(take)
+    # Free fall by 0.2 m takes sqrt(2 h / g).
+    assert s.fell_s == pytest.approx(np.sqrt(2 * 0.2 / 9.81), abs=0.01)
+    assert "lost its balance" in statement(s)
+
+
 def test_torque_is_compared_with_human_strength() -> None:
     def press(time: float, data: Any) -> None:
         data.qfrc_applied[6:9] = [25.0, 25.0, 0.0]

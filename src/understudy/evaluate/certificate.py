@@ -89,6 +89,8 @@ def statement(s: Score) -> str:
         text = "Nothing but contact holds the body: fully physical, no force on the root."
     else:
         text = f"An outside force on the root of {force} helps and {carried}: not fully physical."
+    if s.fell_s is not None:
+        text += f" It lost its balance: at {s.fell_s:.2f} s it had fallen away from the clip."
     if s.diverged_s is not None:
         text += f" The simulation diverged at {s.diverged_s:.3f} s and is kept up to then."
     return text

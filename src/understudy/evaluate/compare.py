@@ -41,6 +41,7 @@ class Comparison:
             left out.
         root_angles: Angle between root orientations [rad], shape (frames,).
         root_distances: Between root positions [m], shape (frames,).
+        root_drops: How much lower the motion's root is [m], shape (frames,).
         distances: Between joint positions in the world [m], shape (frames, joints).
         aligned_distances: The same with both motions expressed in their own root's frame [m],
             shape (frames, joints).
@@ -51,6 +52,7 @@ class Comparison:
     joint_angles: Array = field(repr=False)
     root_angles: Array = field(repr=False)
     root_distances: Array = field(repr=False)
+    root_drops: Array = field(repr=False)
     distances: Array = field(repr=False)
     aligned_distances: Array = field(repr=False)
     end_distances: Array = field(repr=False)
@@ -91,6 +93,7 @@ def compared(motion: Clip, reference: Clip, *, lag: float = 0.0) -> Comparison:
         joint_angles=angles[:, 1:],
         root_angles=angles[:, 0],
         root_distances=np.linalg.norm(one.root_positions - two.root_positions, axis=-1),
+        root_drops=two.root_positions[:, 2] - one.root_positions[:, 2],
         distances=np.linalg.norm(a.positions - b.positions, axis=-1),
         aligned_distances=np.linalg.norm(
             in_root_frame(one, a.positions) - in_root_frame(two, b.positions), axis=-1

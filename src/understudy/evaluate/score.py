@@ -17,6 +17,8 @@ from understudy.motion.clip import Clip
 if TYPE_CHECKING:
     from understudy.take import Take
 
+FALLEN_DROP, FALLEN_ANGLE = 0.2, np.radians(45.0)
+"""A body whose root is this much lower [m] or turned by this much from the clip's has fallen."""
 HELD = 0.5
 """A root force below this share of body weight, on average and at its peak, counts as none [%]."""
 
@@ -43,6 +45,7 @@ class Score:
         feet_mm: Mean distance of ankles and balls of the feet [mm].
         root_position_mm: Mean distance of the root [mm].
         root_rotation_deg: Root mean square angle of the root [deg].
+        fell_s: When the body fell: its root more than 0.2 m below or 45 degrees off the clip's [s].
         lag_ms: How late the joints are [ms].
         joint_error_without_lag_deg: Joint error after shifting the reference by the lag [deg].
         joint_position_without_lag_mm: Joint position error after that shift [mm].
@@ -56,6 +59,7 @@ class Score:
         foot_slide_by_height_mm_s: The same with the rule that fits clips: low and slow [mm/s].
         clip_foot_slide_mm_s: That rule on the tracked clip [mm/s].
         penetration_mm: Deepest overlap of any contact of the character [mm].
+        penetration_mean_mm: Mean overlap of its contact points while they overlap [mm].
         clip_penetration_mm: How far below the ground the tracked clip puts its soles [mm].
         ground_force_mean_percent: Mean upward ground force [% of body weight].
         ground_force_peak_percent: Its peak [% of body weight].
@@ -88,6 +92,7 @@ class Score:
     feet_mm: float | None = None
     root_position_mm: float | None = None
     root_rotation_deg: float | None = None
+    fell_s: float | None = None
     lag_ms: float | None = None
     joint_error_without_lag_deg: float | None = None
     joint_position_without_lag_mm: float | None = None
@@ -101,6 +106,7 @@ class Score:
     foot_slide_by_height_mm_s: float | None = None
     clip_foot_slide_mm_s: float | None = None
     penetration_mm: float = 0.0
+    penetration_mean_mm: float = 0.0
     clip_penetration_mm: float | None = None
     ground_force_mean_percent: float | None = None
     ground_force_peak_percent: float | None = None
@@ -196,6 +202,9 @@ def _tracking(take: Take, m: Measured, who: Performer) -> dict[str, Any]:
                 name: _rms(angles[:, j]) for j, name in enumerate(skeleton.names[1:])
             },
         }
+    fallen = (found.root_drops > FALLEN_DROP) | (found.root_angles > FALLEN_ANGLE)
+    if fallen.any():
+        out["fell_s"] = float(found.times[np.argmax(fallen)])
     roles = [link.role for link in who.character.links]
     hands = [i for i, j in enumerate(skeleton.end_joints) if (roles[j] or "").endswith("wrist")]
     soles = [i for i, role in enumerate(roles) if (role or "").endswith(("ankle", "ball"))]
@@ -244,7 +253,13 @@ def _pelvis(take: Take, who: Performer, peak: float) -> str:
 def _contact(take: Take, m: Measured, who: Performer) -> dict[str, Any]:
     mine = m.contacts.involving(who.bodies)
     depth = m.contacts.depth[mine]
-    out: dict[str, Any] = {"penetration_mm": 1e3 * max(0.0, float(depth.max(initial=0.0)))}
+    overlaps = depth[depth > 0.0]
+    out: dict[str, Any] = {}
+    if len(overlaps):
+        out |= {
+            "penetration_mm": 1e3 * float(overlaps.max()),
+            "penetration_mean_mm": 1e3 * _mean(overlaps),
+        }
     if take.scene.ground is None:
         return out
     vertical = 100.0 * m.ground_reaction(who.index)[:, 2] / who.weight
@@ -375,7 +390,12 @@ def _table(s: Score) -> str:
         s.foot_slide_by_height_mm_s,
         s.clip_foot_slide_mm_s,
     )
-    row("penetration", "{:.1f} mm", s.penetration_mm)
+    row(
+        "penetration",
+        "{:.1f} mm deepest, {:.1f} mean",
+        s.penetration_mm,
+        s.penetration_mean_mm,
+    )
     if s.torque_peak_joint is not None:
         row(
             "joint torque",
@@ -386,6 +406,7 @@ def _table(s: Score) -> str:
         row("joint power", "{:.0f} W mean, {:.0f} peak", s.power_mean_w, s.power_peak_w)
     row("energy drift", "{:.2f} % in flight", s.energy_drift_percent)
     row("speed", "{:.0f} x real time", s.real_time_factor)
+    row("fell", "at {:.2f} s", s.fell_s)
     row("diverged", "at {:.3f} s", s.diverged_s)
     title = f"{s.character}: {s.clip or 'no clip'}, {s.duration_s:.2f} s"
     width = max(len(label) for label, _ in rows)
