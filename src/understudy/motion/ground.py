@@ -88,17 +88,19 @@ def floor_height(clip: Clip) -> float:
 
     In every frame the lowest slow point is a candidate (slower than 0.35 m/s for a person): a foot
     in stance, a seat, a hand in a handstand. Swinging feet, flights and single bad frames are fast
-    and drop out. Of the candidates within 5 cm of their own 5 % quantile, the 20 % quantile is the
-    floor: most stances reach it, and none but the deepest fall below. Where nothing is ever slow,
-    the 5 % quantile of the lowest point is taken.
+    and drop out. The lowest layer of 5 cm that holds a seventh of the candidates is the floor's, so
+    a few frames below it do not count and neither do steps or seats above; the 20 % quantile in it
+    is the floor: most stances reach it. Where nothing is ever slow, every frame's lowest point is a
+    candidate.
     """
     lowest, known = _resting_heights(clip)
     candidates = lowest[known] if known.sum() >= max(3, 0.02 * clip.frames) else lowest
-    base = np.quantile(candidates, 0.05)
+    heights = np.sort(candidates)
     spread = _SPREAD * body_size(clip.skeleton) / _PERSON
-    near = candidates[candidates <= base + spread]
-    quantile = 0.2 if known.any() else 0.05
-    return float(np.quantile(near, quantile)) - sole_height(clip.skeleton)
+    held = np.searchsorted(heights, heights + spread, side="right") - np.arange(len(heights))
+    base = heights[int(np.argmax(held >= len(heights) / 7.0))]
+    layer = heights[(heights >= base) & (heights <= base + spread)]
+    return float(np.quantile(layer, 0.2)) - sole_height(clip.skeleton)
 
 
 def grounded(clip: Clip, *, floor: float | None = None, level: bool = False) -> Clip:
@@ -134,16 +136,20 @@ def grounded(clip: Clip, *, floor: float | None = None, level: bool = False) -> 
 def foot_contacts(clip: Clip, *, floor: float | None = None) -> Contacts:
     """Which joints and end sites touch the floor in each frame: those that are low and slow.
 
-    Low is within 4 cm of the floor (plus the sole's thickness), slow is below 0.35 m/s, for a
-    person; contacts or gaps shorter than 40 ms are ignored. `floor` [m] defaults to
-    `floor_height(clip)`.
+    Low is within 4 cm of the floor (plus the sole's thickness), or within 2 cm of the frame's
+    lowest slow point where that is within 8 cm, for floors that are not level; slow is below
+    0.35 m/s (all for a person). Contacts or gaps shorter than 40 ms are ignored. `floor` [m]
+    defaults to `floor_height(clip)`.
     """
     if floor is None:
         floor = floor_height(clip)
     positions, names = _points(clip)
     velocity = derivative(positions, clip.rate, smoothing=_window(clip))
     scale = body_size(clip.skeleton) / _PERSON
-    low = positions[..., 2] < floor + sole_height(clip.skeleton) + _LOW * scale
+    sole = floor + sole_height(clip.skeleton)
+    lowest, known = _resting_heights(clip)
+    near = np.where(known & (lowest < sole + 2.0 * _LOW * scale), lowest + 0.5 * _LOW * scale, sole)
+    low = positions[..., 2] < np.maximum(sole + _LOW * scale, near)[:, None]
     touching = low & (np.linalg.norm(velocity, axis=-1) < _SLOW * np.sqrt(scale))
     brief = max(1, round(0.04 * clip.rate))
     if brief > 1 and clip.frames > 2 * brief:

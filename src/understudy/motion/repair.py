@@ -1,9 +1,9 @@
 """Glitches of a capture found and repaired: spikes, flips and steps.
 
-A glitch is judged by the turn from one frame to the next (the geodesic angle, never a difference of
-Euler angles), against the typical turn of the same joint just before and after. Fast human motion
-speeds up over several frames; a glitch begins in one frame, at least four times as fast as the tenth
-of a second on either side. Three kinds are told apart:
+A glitch is judged by the turn from one frame to the next (the geodesic angle, never a difference
+of Euler angles), against the typical turn of the same joint just before and after. Fast human
+motion speeds up over several frames; a glitch begins in one frame, at least four times as fast as
+the tenth of a second on either side. Three kinds are told apart:
 
     flip    turns by 75 degrees or more in one frame: of the stretches between such turns every
             second one is wrong (those that last less time in all); it is turned back so that it
@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -216,7 +217,7 @@ class _Track:
         if not jumps:
             return []
         edges = [0, *[t + 1 for t in jumps], len(self.q)]
-        stretches = list(zip(edges[:-1], edges[1:], strict=True))
+        stretches = list(pairwise(edges))
         odd_time = sum(b - a for a, b in stretches[1::2])
         wrong = stretches[1::2] if 2 * odd_time <= len(self.q) else stretches[0::2]
         sizes = _steps(self.q)
@@ -271,7 +272,8 @@ class _Track:
             jump = rot.multiply(rot.conjugate(self.q[t]), self.q[t + 1])
             half = max(1, round(0.5 * _SPREAD * self.rate))
             first, stop = max(0, t + 1 - half), min(len(self.q), t + 1 + half)
-            ease = _ease((np.arange(first, stop) - (t + 0.5)) / (2.0 * half) + 0.5)
+            s = np.clip((np.arange(first, stop) - (t + 0.5)) / (2.0 * half) + 0.5, 0.0, 1.0)
+            ease = s * s * (3.0 - 2.0 * s)
             # Frames before the step are turned toward it, frames after it back by what is left.
             share = np.where(np.arange(first, stop) <= t, ease, ease - 1.0)
             turn = rot.from_rotvec(share[:, None] * rot.to_rotvec(jump))
@@ -279,11 +281,6 @@ class _Track:
             done.append(("step", first, stop - 1, before))
         self.q = rot.continuous(self.q)
         return done
-
-
-def _ease(s: Array) -> Array:
-    s = np.clip(s, 0.0, 1.0)
-    return s * s * (3.0 - 2.0 * s)
 
 
 def _repaired_path(path: Array, rate: float) -> tuple[Array, list[Repair]]:
