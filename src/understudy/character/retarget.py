@@ -24,6 +24,10 @@ from understudy.motion.rotations import Array
 _SMOOTHING = 0.03
 # The floor under an actor: soles lower than this part of the time.
 _FLOOR_QUANTILE = 0.05
+# A sole at rest: a corner this near the lowest [m] and this slow [m/s].
+_RESTING_HEIGHT, _RESTING_SPEED = 0.02, 0.5
+# Captured floors are uneven by this part of stature; more is a step up.
+_UNEVEN = 0.06
 
 
 def retargeted(clip: Clip, character: Character) -> Clip:
@@ -230,11 +234,35 @@ def lowest_soles(pose: Pose, character: Character) -> Array:
 def _lift(
     pose: Pose, actor: Character, out: Pose, body: Character, scale: float, rate: float
 ) -> Array:
-    """What to add to the body's height so that its soles are where the actor's are [m]."""
+    """What to add to the body's height so that its soles are where the actor's are [m].
+
+    While a sole of the actor rests on the floor the body's lowest sole is put on z = 0; in between,
+    in a flight, it is as high as the actor's in scale.
+    """
     if not (_sole_points(actor) and _sole_points(body)):
         return np.zeros(len(pose.positions))
     soles = lowest_soles(pose, actor)
-    floor = float(np.quantile(soles, _FLOOR_QUANTILE))
-    wanted = scale * (soles - floor)
+    wanted = scale * np.maximum(soles - _floor(soles, pose, actor, rate), 0.0)
     lift = wanted - lowest_soles(out, body)
     return gaussian_filter1d(lift, _SMOOTHING * rate, mode="nearest") if len(lift) > 1 else lift
+
+
+def _floor(soles: Array, pose: Pose, actor: Character, rate: float) -> Array:
+    """Height of the floor under the actor [m], shape (frames,), as his resting soles show it."""
+    level = float(np.quantile(soles, _FLOOR_QUANTILE))
+    resting = np.zeros(len(soles), bool)
+    for link, corners in _sole_points(actor):
+        turned = rot.rotate(pose.rotations[:, link, None], corners)
+        points = pose.positions[:, link, None] + turned
+        if len(points) > 1:
+            speed = np.linalg.norm(np.gradient(points, axis=0), axis=-1) * rate
+        else:
+            speed = np.zeros(points.shape[:2])
+        low = points[..., 2] < soles[:, None] + _RESTING_HEIGHT
+        resting |= (low & (speed < _RESTING_SPEED)).any(axis=1)
+    # Steps and stages are no floor: the body climbs them as the actor did.
+    resting &= np.abs(soles - level) < _UNEVEN * actor.height
+    if not resting.any():
+        return np.full(len(soles), level)
+    frames = np.flatnonzero(resting)
+    return np.interp(np.arange(len(soles)), frames, soles[frames])

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import minimum_filter1d
 
 from understudy.character.roles import Roles
 from understudy.motion import rotations as rot
@@ -36,6 +37,11 @@ _HINGES = {
     "right_hip": np.array([0.0, 1.0, 0.0]),
 }
 _SAMPLES = 400
+# A foot at rest on the floor: its joints this near their lowest [m] and this slow [m/s].
+_NEAR, _STILL = 0.03, 0.3
+_LOCAL = 2.0  # s
+# How far the way from ankle to ball drops below the sole's plane in the standard figure [rad].
+_SLOPE = float(np.arctan2(0.039 - 0.012, 0.45 * 0.152))
 
 
 @dataclass(frozen=True)
@@ -64,7 +70,8 @@ class _Reference:
         skeleton = clip.skeleton
         self.joint = {r.role: skeleton.index(r.joint) for r in roles.found}
         self.origin = {r.role: skeleton.index(r.origin) for r in roles.found}
-        step = max(1, clip.frames // _SAMPLES)
+        self._stood: dict[str, np.ndarray] = {}
+        self.step = step = max(1, clip.frames // _SAMPLES)
         pose = clip.forward_kinematics()
         self.positions, self.turned = pose.positions[::step], pose.rotations[::step]
         self.ends = pose.ends[::step]
@@ -231,51 +238,100 @@ class _Reference:
     # -- feet ---------------------------------------------------------------------------------
 
     def _foot(self, role: str, inboard: Array) -> Array:
-        """Flat on the ground, toes ahead: up is what was up while the foot stood."""
-        joint = self.joint[role]
+        """Flat on the ground, toes ahead: up is what was up while the feet stood.
+
+        A foot never seen standing slopes from ankle to ball like the other; where neither is seen
+        standing, an upright rest pose is taken as standing flat.
+        """
         forward = self._forward(role, inboard)
         up = rot.rotate(inboard, _UP)
-        if self.frame is None and up[2] > np.cos(np.radians(12.0)):
+        seen = self._sole_up(role)
+        other = "right_ankle" if role == "left_ankle" else "left_ankle"
+        slope = self._slope(role)
+        slope = self._slope(other) if slope is None else slope
+        level = self.frame is None and up[2] > np.cos(np.radians(12.0))
+        if seen is not None:
+            up = rot.rotate(self.turn[self.joint[role]], seen)
+        side = np.cross(_UP if level and seen is None else up, forward)
+        side /= np.linalg.norm(side)
+        if slope is not None or not level:
+            slope = _SLOPE if slope is None else slope
+            up = np.cross(rot.rotate(rot.from_rotvec(-slope * side), forward), side)
+        else:
             up = _UP
-        standing = self._standing(role)
-        if len(standing):
-            local = rot.rotate(rot.conjugate(self.turned[standing, joint]), _UP)
-            mean = local.mean(axis=0)
-            seen = rot.rotate(self.turn[joint], mean / np.linalg.norm(mean))
-            steady = np.linalg.norm(mean) > 0.97
-            if steady and seen @ up > np.cos(np.radians(40.0)) and abs(seen @ forward) < 0.8:
-                up = seen
-        forward = forward - up * (up @ forward)
-        forward /= np.linalg.norm(forward)
-        return rot.from_matrix(np.stack([forward, np.cross(up, forward), up], axis=-1))
+        forward = np.cross(side, up)
+        return rot.from_matrix(np.stack([forward, side, up], axis=-1))
 
-    def _forward(self, role: str, inboard: Array) -> Array:
-        """World direction from the ankle to the ball or toe in the reference, shape (3,)."""
+    def _sole_up(self, role: str) -> Array | None:
+        """Direction in the foot's joint frame that was up while the foot stood, or None."""
+        standing = self._standing(role)
+        if not len(standing):
+            return None
+        turned = self.turned[standing, self.joint[role]]
+        mean = rot.rotate(rot.conjugate(turned), _UP).mean(axis=0)
+        if np.linalg.norm(mean) < 0.97:
+            return None
+        up = mean / np.linalg.norm(mean)
+        slope = self._slope(role, up)
+        # Feet stand flat with the ball up to 38 degrees below the ankle; steeper is on tiptoe.
+        return up if slope is not None and -0.1 < slope < np.radians(38.0) else None
+
+    def _slope(self, role: str, up: Array | None = None) -> float | None:
+        """Angle by which the way from ankle to ball (or toe) drops below the sole's plane [rad]."""
+        if role not in self.joint:
+            return None
+        up = self._sole_up(role) if up is None else up
+        end = self._foot_end(role)
+        if up is None or end is None:
+            return None
+        way = rot.rotate(rot.conjugate(self.turn[self.joint[role]]), end)
+        return float(np.arcsin(np.clip(-(way @ up) / np.linalg.norm(way), -1.0, 1.0)))
+
+    def _foot_end(self, role: str) -> Array | None:
+        """Way from the ankle to the ball, or to what lies outboard, in the reference [m]."""
         ball = role.replace("ankle", "ball")
         at = self.at[self.origin[role]]
         end = self.at[self.origin[ball]] if ball in self.origin else self._tip(self.joint[role])
+        return None if end is None or np.linalg.norm(end - at) < 1e-6 else end - at
+
+    def _forward(self, role: str, inboard: Array) -> Array:
+        """World direction from the ankle to the ball or toe in the reference, shape (3,)."""
         along = rot.rotate(inboard, np.array([1.0, 0.0, 0.0]))
-        if end is None or np.linalg.norm(end - at) < 1e-6:
+        end = self._foot_end(role)
+        if end is None:
             return along
-        direction = (end - at) / np.linalg.norm(end - at)
+        direction = end / np.linalg.norm(end)
         # A foot drawn as a stub along the shank says nothing of where it points.
         return direction if direction @ along > 0.3 else along
 
     def _standing(self, role: str) -> np.ndarray:
-        """Sampled frames in which the foot is low and slow, shape (n,)."""
+        """Sampled frames in which the foot is on the floor and at rest, shape (n,)."""
+        if role not in self._stood:
+            self._stood[role] = self._find_standing(role)
+        return self._stood[role]
+
+    def _find_standing(self, role: str) -> np.ndarray:
         if len(self.positions) < 3:
             return np.zeros(0, int)
-        ball = role.replace("ankle", "ball")
-        points = [self.positions[:, self.origin[role]]]
-        points.append(self.positions[:, self.origin[ball]] if ball in self.origin else points[0])
-        leg = float(np.ptp(points[0][:, 2])) + 1e-9
-        rate = self.clip.rate / max(1, self.clip.frames // _SAMPLES)
-        low = np.ones(len(self.positions), bool)
-        for point in points:
-            speed = np.linalg.norm(np.gradient(point, axis=0), axis=1) * rate
-            floor = np.quantile(point[:, 2], 0.1)
-            low &= (point[:, 2] < floor + min(0.03, 0.2 * leg + 0.01)) & (speed < 0.3)
-        return np.flatnonzero(low)
+        rate = self.clip.rate / self.step
+        window = max(1, round(_LOCAL * rate))
+        still = np.ones(len(self.positions), bool)
+        for kind in ("ankle", "ball"):
+            joint = self.origin.get(role.replace("ankle", kind))
+            if joint is None:
+                continue
+            # The floor is where the lower of the two feet was lately: captured floors slope and
+            # drift, and a foot held up stands nowhere.
+            both = [
+                self.positions[:, self.origin[f"{side}_{kind}"], 2]
+                for side in ("left", "right")
+                if f"{side}_{kind}" in self.origin
+            ]
+            floor = minimum_filter1d(np.min(both, axis=0), window, mode="nearest")
+            speed = np.linalg.norm(np.gradient(self.positions[:, joint], axis=0), axis=1) * rate
+            height = self.positions[:, joint, 2] - floor
+            still &= (height < _NEAR) & (speed < _STILL)
+        return np.flatnonzero(still)
 
     def _toes(self, role: str, inboard: Array, links: dict[str, Array]) -> Array:
         """In line with the foot while it stands."""
