@@ -25,7 +25,7 @@ from understudy.output.camera import Camera
 from understudy.output.shading import lamp
 
 _GHOST = (0.42, 0.66, 0.93)
-_SHADOW = (0.46, 0.48, 0.50, 1.0)
+_SHADOW = (0.060, 0.063, 0.066, 1.0)
 _SHADOW_REACH = 2.5  # m around what the camera looks at
 _PROBE = """
 import sys, mujoco
@@ -218,13 +218,13 @@ class GLRenderer:
         normal = self._data.geom_xmat[self._plane].reshape(3, 3)[:, 2]
         light = lamp(camera)
         press = np.eye(3) - np.outer(light, normal) / (light @ normal)
-        base = self._data.geom_xpos[self._plane] + 0.002 * normal
+        base = self._data.geom_xpos[self._plane] + 0.006 * normal
         for i in range(first, scene.ngeom):
             shape = scene.geoms[i]
             shape.pos[:] = press @ (shape.pos - base) + base
             shape.mat[:] = press @ shape.mat
             shape.rgba[:] = _SHADOW
-            shape.matid, shape.emission, shape.specular = -1, 0.55, 0.0
+            shape.matid, shape.emission, shape.specular = -1, 6.5, 0.0
             shape.category = mujoco.mjtCatBit.mjCAT_DECOR
 
     def _aim(self, camera: Camera) -> None:

@@ -19,6 +19,7 @@ from understudy.motion.rotations import Array
 _SHOWN_GROUPS = 3
 _AROUND = 18  # corners of a round cross-section
 _DOME = 5  # rings of half a sphere
+_CREASE = np.radians(50.0)  # sharper edges of meshes stay sharp
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,12 +93,14 @@ def outline(model: mujoco.MjModel) -> tuple[np.ndarray[Any, np.dtype[np.int64]],
     axis = np.array([-1.0, 0.0, 1.0])
     directions = np.stack(np.meshgrid(axis, axis, axis), -1).reshape(-1, 3)
     bodies, points = [], []
-    for surface in surfaces(model):
-        if model.body_weldid[surface.body] == 0:
+    for geom in np.flatnonzero(shown(model)):
+        body = int(model.geom_bodyid[geom])
+        corners = None if model.body_weldid[body] == 0 else _corners(model, int(geom))
+        if corners is None:
             continue
-        corners = surface.points
+        corners = rot.rotate(model.geom_quat[geom], corners) + model.geom_pos[geom]
         far = np.unique(np.argmax(corners @ directions.T, axis=0))
-        bodies += [surface.body] * len(far)
+        bodies += [body] * len(far)
         points.append(corners[far])
     if not points:
         return np.zeros(0, np.int64), np.zeros((0, 3))
@@ -179,6 +182,39 @@ def flat(points: Array, faces: np.ndarray) -> tuple[Array, Array, np.ndarray]:
     )
 
 
+def creased(points: Array, faces: np.ndarray) -> tuple[Array, Array, np.ndarray]:
+    """Triangles shaded smoothly, except across edges sharper than `_CREASE`.
+
+    The normal of a corner is the mean of the faces around it, by area, that differ from its own
+    face by less than the crease angle. Corners that end up equal are shared.
+    """
+    from scipy.sparse import csr_array
+
+    corners = points[faces]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(cross, axis=-1)
+    kept = length > 1e-14
+    faces, cross, length = faces[kept], cross[kept], length[kept]
+    if not len(faces):
+        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), np.int32)
+    _, place = np.unique(np.round(points, 6), axis=0, return_inverse=True)
+    at = place.reshape(-1)[faces.reshape(-1)]
+    face = np.repeat(np.arange(len(faces)), 3)
+    around = csr_array((np.ones(len(at)), (at, np.arange(len(at)))))
+    own, other = (around.T @ around).nonzero()  # pairs of corners at one place
+    unit = cross / length[:, None]
+    near = np.einsum("ij,ij->i", unit[face[own]], unit[face[other]]) > np.cos(_CREASE)
+    own, other = own[near], other[near]
+    normals = np.stack(
+        [np.bincount(own, cross[face[other], k], minlength=len(at)) for k in range(3)], axis=-1
+    )
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    key = np.column_stack((faces.reshape(-1), np.round(normals * 500).astype(np.int64)))
+    _, first, number = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    shared = number.reshape(-1, 3).astype(np.int32)
+    return points[faces.reshape(-1)[first]], normals[first], shared
+
+
 def _grid(rings: int, around: int) -> np.ndarray:
     """Triangles between successive rings, counter-clockwise seen from outside, poles included."""
     ring, corner = np.meshgrid(np.arange(rings - 1), np.arange(around), indexing="ij")
@@ -207,8 +243,18 @@ def _triangulated(model: mujoco.MjModel, geom: int) -> tuple[Array, Array, np.nd
     return None
 
 
+def _corners(model: mujoco.MjModel, geom: int) -> Array | None:
+    """Points of one geometry's surface in its own frame [m]; None for planes."""
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
+        mesh = int(model.geom_dataid[geom])
+        first = model.mesh_vertadr[mesh]
+        return np.array(model.mesh_vert[first : first + model.mesh_vertnum[mesh]], float)
+    shape = _triangulated(model, geom)
+    return None if shape is None else shape[0]
+
+
 def _mesh(model: mujoco.MjModel, mesh: int) -> tuple[Array, Array, np.ndarray]:
     first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
     faces = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
     points = np.array(model.mesh_vert[first : first + count], float)
-    return flat(points, np.array(model.mesh_face[faces[0] : faces[0] + faces[1]], np.int32))
+    return creased(points, np.array(model.mesh_face[faces[0] : faces[0] + faces[1]], np.int32))
