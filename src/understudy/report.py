@@ -330,6 +330,8 @@ _PAGE = """<!doctype html>
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy"
+ content="default-src 'none'; img-src data:; script-src 'unsafe-inline'; style-src 'unsafe-inline'">
 <meta name="color-scheme" content="light dark">
 <meta name="generator" content="Understudy">
 <link rel="icon" href="data:,">
@@ -349,7 +351,7 @@ _STYLE = """
 :root{--page:#fff;--ink:#1c1f24;--dim:#5c6470;--rule:#dfe3e8;--panel:#f5f7f9;
  --good:#12724b;--held:#9a4a06;--c0:#1f5fc4;--c1:#c4501a;--c2:#0f8a63;--c3:#8453bd;
  --c4:#7a7f18;--c5:#b03a72}
-@media (prefers-color-scheme:dark){:root{--page:#15181c;--ink:#e8eaed;--dim:#9aa3ae;
+@media screen and (prefers-color-scheme:dark){:root{--page:#15181c;--ink:#e8eaed;--dim:#9aa3ae;
  --rule:#30363d;--panel:#1d2126;--good:#5fd3a2;--held:#f0a35c;--c0:#7fb0ff;--c1:#ff9a66;
  --c2:#54d1a4;--c3:#c7a4ff;--c4:#d3d86a;--c5:#ff8fc0}}
 *{box-sizing:border-box}

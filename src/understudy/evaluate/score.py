@@ -370,10 +370,14 @@ def _table(s: Score) -> str:
     )
     row(
         f"pelvis {s.pelvis}",
-        "force {:.1f} % of body weight (peak {:.0f}), torque {:.1f} % of weight x height "
-        "(peak {:.0f})",
+        "force {:.1f} % of body weight (peak {:.0f}), support {:.1f} %",
         s.root_force_mean_percent,
         s.root_force_peak_percent,
+        s.root_support_percent,
+    )
+    row(
+        "root torque",
+        "{:.1f} % of weight x height (peak {:.0f})",
         s.root_torque_mean_percent,
         s.root_torque_peak_percent,
     )
