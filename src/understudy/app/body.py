@@ -24,10 +24,10 @@ class Body:
 
     Attributes:
         character: own (the bones of the clip), adult_man, adult_woman, child or alien.
-        plan: Links of an own body: full (17), full16 (16), upper (9) or upper8 (8).
+        plan: Which links: the whole body, the 16 of Zordan & Hodgins 1999, or the upper body.
         sex: Anthropometric table of an own body.
-        mass: Mass of an own body [kg].
-        height: Stature of an own body [m], for its mass; its bones stay the clip's.
+        mass: Mass [kg].
+        height: Stature [m]; the bones of an own body stay the clip's.
         mapping: TOML file that says which joint of the clip plays which role, where names do not.
     """
 
@@ -50,31 +50,31 @@ def check_body(body: Body) -> None:
 
     Raises:
         UnknownName: No ready-made body of that name.
-        InvalidValue: A ready-made body cannot take a plan, sex, mass or height of its own.
+        InvalidValue: A ready-made body takes no sex and no mapping.
     """
     if body.character == OWN:
         return
     if body.character not in READY_MADE:
         raise UnknownName("character", body.character, (OWN, *READY_MADE))
     usual = Body()
-    for name in ("plan", "sex", "mass", "height", "mapping"):
+    for name in ("sex", "mapping"):
         if getattr(body, name) != getattr(usual, name):
             raise InvalidValue(f"--{name} is for --character own; {body.character} has its own.")
 
 
 def character_for(clip: Clip, body: Body) -> Character:
     """The character the options ask for; raises as `check_body` and `Character.from_clip`."""
-    from understudy.character import Character, bodies
-    from understudy.character.mapping import read_mapping
+    from understudy.character import Character, bodies, read_mapping
 
     check_body(body)
+    given = {"mass": body.mass, "height": body.height}
+    sizes = {name: value for name, value in given.items() if value is not None}
     if body.character != OWN:
-        return getattr(bodies, body.character)()
+        return getattr(bodies, body.character)(plan=body.plan, **sizes)
     return Character.from_clip(
         clip,
         plan=body.plan,
         sex=body.sex,
-        mass=body.mass,
-        height=body.height,
         mapping=None if body.mapping is None else read_mapping(body.mapping),
+        **sizes,
     )

@@ -144,7 +144,10 @@ def _run(name: str, arguments: list[str], as_json: bool) -> int:
         if os.environ.get("UNDERSTUDY_DEBUG"):
             raise
         return _fail(who, *explained(error), as_json)
-    print(json.dumps(plain(outcome.result), indent=2) if as_json else outcome.text)
+    if as_json:
+        print(json.dumps(plain(outcome.result), indent=2, allow_nan=False))
+    elif outcome.text:
+        print(outcome.text)
     sys.stdout.flush()
     return outcome.status
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import arg
+
+from understudy.errors import ClipError, InvalidValue
 
 if TYPE_CHECKING:
     from understudy.motion.clip import Clip
@@ -45,13 +48,12 @@ def clip_from(word: str, reading: Reading) -> Clip:
     Raises:
         ClipError: The file is missing or cannot be read.
         UnknownName: No such sample; the text names the nearest one.
+        InvalidValue: A sample, with options on how to read a file.
     """
     import understudy as us
 
-    if word.startswith(SAMPLE):
-        return us.sample(word.removeprefix(SAMPLE))
-    if is_bare_sample(word):
-        return us.sample(word)
+    if word.startswith(SAMPLE) or _is_bare(word):
+        return _sample(word, reading)
     return us.read(
         word,
         up=reading.up,
@@ -62,11 +64,24 @@ def clip_from(word: str, reading: Reading) -> Clip:
     )
 
 
-def is_bare_sample(word: str) -> bool:
-    """Whether a word names a bundled sample and no file."""
+def _sample(word: str, reading: Reading) -> Clip:
     import understudy as us
 
-    return word in us.samples() and not Path(word).exists()
+    name = word.removeprefix(SAMPLE)
+    if name == word and name not in us.samples():
+        near = difflib.get_close_matches(word, us.samples(), n=1)
+        hint = f" Did you mean sample:{near[0]}?" if near else ""
+        raise ClipError(word, f"no such file, and no sample of that name.{hint}")
+    for option in Reading.__dataclass_fields__:
+        if getattr(reading, option) != getattr(Reading(), option):
+            flag = option.replace("_", "-")
+            raise InvalidValue(f"--{flag} says how to read a file; {word} is a sample.")
+    return us.sample(name)
+
+
+def _is_bare(word: str) -> bool:
+    """Whether a word could be a sample's name, and is no file."""
+    return word.isidentifier() and not Path(word).exists()
 
 
 def stem(word: str) -> str:

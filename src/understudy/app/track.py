@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -84,6 +85,8 @@ def run(options: Options) -> Outcome:
     count = cores() if options.jobs is None else options.jobs
     if count < 1:
         raise InvalidValue(f"--jobs is {count}; it must be at least 1.")
+    if options.out is not None and options.out.exists() and not options.out.is_dir():
+        raise InvalidValue(f"{options.out}: is a file; --out needs a folder.")
     check_body(options)
     jobs = jobs_for(options)
     rows: dict[int, Row] = {}
@@ -206,7 +209,7 @@ def figures(row: Row) -> tuple[str, ...]:
         number(one["joint_error_deg"], ".2f"),
         number(one["hands_mm"], ".1f"),
         number(one["feet_mm"], ".1f"),
-        number(one["lag_ms"], ".0f"),
+        number(one["lag_ms"], "z.0f"),
         "0" if one["fully_physical"] else held,
     )
 
@@ -218,11 +221,24 @@ def text(rows: Sequence[Row]) -> str:
         return "" if len(rows) == 1 else f"All {len(rows)} clips failed."
     parts = [table([HEAD, *((row.name, *figures(row)) for row in rows)], right=range(1, len(HEAD)))]
     if len(rows) == 1:
-        parts += [f"  {note}" for note in done[0].notes]
-        parts.append(done[0].certificate["statement"])
-    parts += ["", HELP_FROM_ABOVE, "", "files:"]
-    for row in done:
-        parts += [f"  {path}" for path in row.files.values()]
+        parts += ["", *folded(done[0].certificate["statement"])]
+        parts += [line for note in done[0].notes for line in folded(note, "  ")]
+    parts += ["", HELP_FROM_ABOVE, "", "files:", *(f"  {line}" for line in listed(done))]
     if len(done) < len(rows):
         parts += ["", f"{len(rows) - len(done)} of {len(rows)} clips failed."]
     return "\n".join(parts)
+
+
+def folded(sentence: str, indent: str = "") -> list[str]:
+    """A sentence as lines for a terminal."""
+    return textwrap.wrap(sentence, 96, initial_indent=indent, subsequent_indent=indent)
+
+
+def listed(rows: Sequence[Row]) -> list[str]:
+    """Where the files are: each one for a few clips, by pattern for many."""
+    paths = [Path(path) for row in rows for path in row.files.values()]
+    if len(rows) <= 2:
+        return [str(path) for path in paths]
+    endings = [Path(path).name.removeprefix(rows[0].name) for path in rows[0].files.values()]
+    folders = dict.fromkeys(str(path.parent) for path in paths)
+    return [f"{folder}/NAME{{{','.join(endings)}}}" for folder in folders]
