@@ -25,6 +25,7 @@ def body_spec(
     servo: float = 0.0,
     pinned: bool = False,
     step: float = STEP,
+    integrator: mujoco.mjtIntegrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
     cone: mujoco.mjtCone = mujoco.mjtCone.mjCONE_PYRAMIDAL,
 ) -> mujoco.MjSpec:
     """A box (the root) with an arm on a ball joint, and a servo for every joint.
@@ -33,7 +34,7 @@ def body_spec(
     """
     spec = mujoco.MjSpec()
     spec.option.timestep = step
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.integrator = integrator
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     spec.option.cone = cone
     if ground:

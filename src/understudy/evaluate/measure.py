@@ -88,8 +88,8 @@ class Measured:
             starts at the frame [N, N m], shape (frames, dofs). Ball joints have three, in the
             frame of the outboard link; the root has world forces, then torques in its own frame.
         power: Power of those forces [W], shape (frames, dofs).
-        resistance: Friction, springs and limits of the joints and contacts, at the frame [N, N m],
-            shape (frames, dofs).
+        resistance: Friction, springs and limits of the joints and contacts, over the same step
+            [N, N m], shape (frames, dofs).
         kinetic: Kinetic energy of the scene [J], shape (frames,).
         potential: Gravitational energy of the scene over that at z = 0 [J], shape (frames,).
         center_of_mass: Per character [m], world, shape (frames, characters, 3).
@@ -98,7 +98,6 @@ class Measured:
         contacts: Every contact point.
         body_positions: World positions of all bodies [m], shape (frames, bodies, 3).
         body_rotations: World orientations of all bodies, wxyz, shape (frames, bodies, 4).
-        implicit: True when torques carry the correction for implicit integration.
     """
 
     steps: Integers = field(repr=False)
@@ -116,7 +115,6 @@ class Measured:
     contacts: Contacts = field(repr=False)
     body_positions: Array = field(repr=False)
     body_rotations: Array = field(repr=False)
-    implicit: bool
 
     @property
     def frames(self) -> int:
@@ -193,7 +191,7 @@ def measured_at(take: Take, steps: Integers, rate: float) -> Measured:
     data = mujoco.MjData(model)
     who = performers(take)
     raw = _pass(take, model, data, steps, np.array([p.bodies[0] for p in who]))
-    torque, power, implicit = _over_the_step(take, model, steps, raw)
+    torque, power = _over_the_step(take, model, steps, raw)
     center = raw.centers[:, model.body_rootid]
     for array in (torque, power, raw.energy, raw.centers, raw.places, raw.turned, raw.resistance):
         array.setflags(write=False)
@@ -213,7 +211,6 @@ def measured_at(take: Take, steps: Integers, rate: float) -> Measured:
         contacts=raw.contacts.table(raw.velocity, center),
         body_positions=raw.places,
         body_rotations=raw.turned,
-        implicit=implicit,
     )
 
 
@@ -305,36 +302,46 @@ def _pass(
     return raw
 
 
-def _over_the_step(take: Take, model: Any, steps: Integers, raw: _Raw) -> tuple[Array, Array, bool]:
-    """Torque and power over the step that follows each frame; whether implicitness is included."""
+def _over_the_step(take: Take, model: Any, steps: Integers, raw: _Raw) -> tuple[Array, Array]:
+    """Torque and power over the step that follows each frame; corrects `raw.resistance` too."""
     torque = raw.servo.copy()
     if len(take.qfrc_applied):
         torque += take.qfrc_applied[steps]
     last = len(take.times) - 1
     after = np.minimum(steps + 1, last)
-    change = take.qvel[after] - take.qvel[steps]
+    arrived = take.qvel[after]
+    change = arrived - take.qvel[steps]
     kinds = mujoco.mjtIntegrator
-    implicit = int(model.opt.integrator) in (
-        int(kinds.mjINT_IMPLICITFAST),
-        int(kinds.mjINT_IMPLICIT),
-    )
-    if implicit:
-        torque -= servo_damping(model, raw.outputs) * change
+    kind = int(model.opt.integrator)
+    whole = kind == int(kinds.mjINT_DISCRETE)
+    if whole or kind in (int(kinds.mjINT_IMPLICITFAST), int(kinds.mjINT_IMPLICIT)):
+        torque -= servo_gain(model, raw.outputs, 2) * change
+        raw.resistance -= model.dof_damping * change
+    if whole:
+        # This integrator also takes stiffness at the end of the step.
+        torque -= servo_gain(model, raw.outputs, 1) * arrived / take.rate
+        raw.resistance -= _joint_stiffness(model) * arrived / take.rate
     # The last frame has no step after it; it repeats the torque of the step before.
     if len(steps) > 1 and steps[-1] == last:
         torque[-1] = torque[-2]
-    return torque, torque * (take.qvel[steps] + 0.5 * change), implicit
+    return torque, torque * (take.qvel[steps] + 0.5 * change)
 
 
-def servo_damping(model: Any, outputs: Array) -> Array:
-    """Velocity gain that the engine treats implicitly [N s/m, N m s/rad], shape (frames, dofs).
+def _joint_stiffness(model: Any) -> Array:
+    """Linear spring constant on every degree of freedom, shape (dofs,)."""
+    return np.asarray(model.jnt_stiffness).reshape(model.njnt)[model.dof_jntid]
+
+
+def servo_gain(model: Any, outputs: Array, order: int) -> Array:
+    """Gain of the servos on every degree of freedom as the engine integrates it, (frames, dofs).
 
     Servos are affine actuators on joints; one on a ball joint acts equally on its three axes. A
-    servo at its force limit has no damping left.
+    servo at its force limit has no gain left.
 
     Args:
         model: The model.
         outputs: What the actuators gave, `actuator_force` of every frame.
+        order: 1 for stiffness [N/m, N m/rad], 2 for damping [N s/m, N m s/rad].
     """
     out = np.zeros((len(outputs), model.nv))
     on_joints = np.flatnonzero(
@@ -347,7 +354,7 @@ def servo_damping(model: Any, outputs: Array) -> Array:
         start = model.jnt_dofadr[joint]
         width = widths.get(int(model.jnt_type[joint]), 1)
         gear = model.actuator_gear[i, 0] if width == 1 else 1.0
-        gain = np.full(len(outputs), -model.actuator_biasprm[i, 2] * gear**2)
+        gain = np.full(len(outputs), -model.actuator_biasprm[i, order] * gear**2)
         if model.actuator_forcelimited[i]:
             first = model.actuator_outadr[i]
             given = np.linalg.norm(outputs[:, first : first + model.actuator_outnum[i]], axis=1)

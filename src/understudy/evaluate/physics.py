@@ -63,11 +63,7 @@ def energy_balance(take: Take, first: int, last: int) -> EnergyBalance:
     steps = np.arange(first, last + 1)
     m = measured_at(take, steps, take.rate)
     before, after = take.qvel[steps[:-1]], take.qvel[steps[1:]]
-    resistance = m.resistance[:-1]
-    if m.implicit:
-        # Joint damping is integrated implicitly, like the servos'.
-        resistance = resistance - take.model.dof_damping * (after - before)
-    power = (m.torque[:-1] + resistance) * 0.5 * (before + after)
+    power = (m.torque[:-1] + m.resistance[:-1]) * 0.5 * (before + after)
     work = np.concatenate(([0.0], np.cumsum(power.sum(axis=1) / take.rate)))
     stored = m.kinetic + m.potential
     error = float(np.abs(stored - stored[0] - work).max())
