@@ -26,7 +26,6 @@ from understudy.output.shading import lamp
 
 _GHOST = (0.42, 0.66, 0.93)
 _SHADOW = (0.060, 0.063, 0.066, 1.0)
-_SHADOW_REACH = 2.5  # m around what the camera looks at
 _PROBE = """
 import sys, mujoco
 from importlib import import_module
@@ -98,7 +97,7 @@ class GLRenderer:
         height: int,
         *,
         spec: Callable[[], mujoco.MjSpec] | None = None,
-        shadows: bool = False,
+        shadows: bool = True,
         samples: int = 0,
         ghost_bodies: tuple[int, ...] = (),
     ):
@@ -117,11 +116,9 @@ class GLRenderer:
         painted = self._model.geom_matid < 0
         self._model.geom_rgba[painted] = meshes.colors(self._model)[painted]
         view = self._model.vis
-        # The shadow map covers `extent` around the lamp's place: tight, for sharp shadows.
-        self._model.stat.extent, view.map.shadowclip = _SHADOW_REACH, 1.0
         view.global_.offwidth, view.global_.offheight = width, height
         view.quality.offsamples = samples
-        view.quality.shadowsize = 2048 if shadows else 0
+        view.quality.shadowsize, self._shadows = 0, shadows
         self._data, self._ghost = mujoco.MjData(self._model), mujoco.MjData(self._model)
         self._ghost_bodies = np.asarray(ghost_bodies, int)
         self._options = mujoco.MjvOption()
@@ -136,7 +133,7 @@ class GLRenderer:
         except Exception as error:
             raise RuntimeError(f"OpenGL fails in this process: {error}") from error
         flags = self._scene.flags
-        flags[mujoco.mjtRndFlag.mjRND_SHADOW] = int(shadows)
+        flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
         flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
 
     def __enter__(self) -> GLRenderer:
@@ -204,7 +201,7 @@ class GLRenderer:
 
         The engine's own shadows cost several times as much in software and come out speckled.
         """
-        if self._plane is None or self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW]:
+        if self._plane is None or not self._shadows:
             return
         scene, first = self._scene, self._scene.ngeom
         mujoco.mjv_addGeoms(

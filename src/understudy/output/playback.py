@@ -44,6 +44,7 @@ class Playback:
         ghost_roots: The same for the performers that have a ghost.
         name: For titles.
         simulated: False when the poses come from a clip.
+        names: Name of every body, from which left and right are told; by default the model's.
     """
 
     model: mujoco.MjModel
@@ -57,6 +58,7 @@ class Playback:
     ghost_roots: tuple[int, ...] = ()
     name: str = "take"
     simulated: bool = True
+    names: tuple[str, ...] = ()
 
     @property
     def frames(self) -> int:
@@ -88,7 +90,7 @@ class Playback:
 
         From the line between left and right parts; from the path where names tell no sides.
         """
-        pairs = _sides(self._names)
+        pairs = _sides(self.names or _body_names(self.model))
         facing = np.zeros(2)
         if pairs:
             placed, _ = self.poses(self.qpos[:: max(1, self.frames // 30)])
@@ -101,11 +103,6 @@ class Playback:
         if not facing.any():
             facing = self.path[-1, :2] - self.path[0, :2]
         return float(np.arctan2(facing[1], facing[0])) if facing.any() else 0.0
-
-    @cached_property
-    def _names(self) -> tuple[str, ...]:
-        kind = mujoco.mjtObj.mjOBJ_BODY
-        return tuple(mujoco.mj_id2name(self.model, kind, i) or "" for i in range(self.model.nbody))
 
     @property
     def path(self) -> Array:
@@ -257,7 +254,11 @@ def _of_clip(clip: Clip, rate: float) -> Playback:
     for i in range(len(skeleton)):
         address = int(model.joint(f"j{i}").qposadr[0])
         qpos[:, address : address + 4] = clip.rotations[::every, i]
-    shown = Playback(
+    # The engine numbers bodies depth first; put the joints' names in its order.
+    names = ["world"] * model.nbody
+    for i, name in enumerate(skeleton.names):
+        names[int(model.body(f"b{i}").id)] = name
+    return Playback(
         model=model,
         spec=spec,
         times=clip.times[::every],
@@ -265,13 +266,13 @@ def _of_clip(clip: Clip, rate: float) -> Playback:
         qpos=qpos,
         name=clip.name,
         simulated=False,
+        names=tuple(names),
     )
-    # The engine numbers bodies depth first; put the joints' names in its order.
-    names = [""] * model.nbody
-    for i, name in enumerate(skeleton.names):
-        names[int(model.body(f"b{i}").id)] = name
-    shown.__dict__["_names"] = tuple(names)
-    return shown
+
+
+def _body_names(model: mujoco.MjModel) -> tuple[str, ...]:
+    kind = mujoco.mjtObj.mjOBJ_BODY
+    return tuple(mujoco.mj_id2name(model, kind, i) or "" for i in range(model.nbody))
 
 
 def _sides(names: tuple[str, ...]) -> list[tuple[int, int]]:
@@ -288,6 +289,6 @@ def _sides(names: tuple[str, ...]) -> list[tuple[int, int]]:
                 right + name[1:] if name.startswith(left) else "",
                 name[:-1] + right if name.endswith(("_" + left, "." + left)) else "",
             ):
-                if len(name) > 1 and other in number:
+                if other and len(name) > 1 and other in number:
                     pairs.append((i, number[other]))
     return pairs

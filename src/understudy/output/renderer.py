@@ -44,7 +44,7 @@ def opened(
     *,
     renderer: str = "auto",
     spec: Callable[[], mujoco.MjSpec] | None = None,
-    shadows: bool | None = None,
+    shadows: bool = True,
     samples: int = 4,
     ghost_bodies: tuple[int, ...] = (),
 ) -> Renderer:
@@ -57,7 +57,7 @@ def opened(
         renderer: "opengl" (the engine's own), "raycast" (needs no graphics library), or "auto":
             OpenGL where it works.
         spec: Makes a specification of the model, which OpenGL dresses with a sky and tiles.
-        shadows: Draw shadows; by default rays do and OpenGL, whose shadows are speckled, does not.
+        shadows: Draw the body's shadow on the ground (rays: on the body too).
         samples: Samples on an edge that OpenGL takes; 0 is fastest.
         ghost_bodies: Bodies that a ghost shows.
 
@@ -76,7 +76,7 @@ def opened(
                     width,
                     height,
                     spec=spec,
-                    shadows=bool(shadows),
+                    shadows=shadows,
                     samples=samples,
                     ghost_bodies=ghost_bodies,
                 )
@@ -85,4 +85,4 @@ def opened(
                 raise UnderstudyError(f"{error}; use renderer='raycast'.") from error
     if renderer == "opengl":
         raise UnderstudyError("No OpenGL library draws on this machine; use renderer='raycast'.")
-    return RayCaster(model, width, height, shadows=shadows is not False, ghost_bodies=ghost_bodies)
+    return RayCaster(model, width, height, shadows=shadows, ghost_bodies=ghost_bodies)

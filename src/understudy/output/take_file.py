@@ -121,6 +121,8 @@ def _read(file: zipfile.ZipFile) -> Take:
             f"reads version {_VERSION}."
         )
     reader = _Reader(file)
+    if document["take"]["type"] != f"{Take.__module__}.{Take.__qualname__}":
+        raise UnderstudyError("holds no take.")
     fields = reader.fields(document["take"], Take)
     scene = fields["scene"]
     model = copy.copy(scene.model)
