@@ -47,7 +47,7 @@ _HOMES = {
     "write_report": "report",
 }
 
-__all__ = [*_HOMES, "__version__"]
+__all__ = [*_HOMES, "__version__"]  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 class _Package(ModuleType):

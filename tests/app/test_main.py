@@ -85,7 +85,8 @@ def test_an_unknown_command_suggests_the_nearest(capsys):
         (["convert", "a.bvh", "b.bvh", "--sped", "2"], "Did you mean --speed?"),
         (["convert", "a.bvh", "b.bvh", "--speed", "fast"], "--speed"),
         (["track", "a.bvh", "--law", "newton"], "'modern'"),
-        (["convert", "a.bvh"], "target"),
+        (["convert", "a.bvh"], "OUT is missing"),
+        (["track", "a.bvh", "--jobs", "many"], "--jobs: it cannot be 'many'"),
     ],
 )
 def test_bad_options_are_one_line_that_names_the_help(words, expected, capsys):

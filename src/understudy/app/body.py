@@ -67,14 +67,15 @@ def character_for(clip: Clip, body: Body) -> Character:
     from understudy.character import Character, bodies, read_mapping
 
     check_body(body)
+    if body.character == OWN:
+        return Character.from_clip(
+            clip,
+            plan=body.plan,
+            sex=body.sex,
+            mass=body.mass,
+            height=body.height,
+            mapping=None if body.mapping is None else read_mapping(body.mapping),
+        )
     given = {"mass": body.mass, "height": body.height}
     sizes = {name: value for name, value in given.items() if value is not None}
-    if body.character != OWN:
-        return getattr(bodies, body.character)(plan=body.plan, **sizes)
-    return Character.from_clip(
-        clip,
-        plan=body.plan,
-        sex=body.sex,
-        mapping=None if body.mapping is None else read_mapping(body.mapping),
-        **sizes,
-    )
+    return getattr(bodies, body.character)(plan=body.plan, **sizes)

@@ -11,6 +11,7 @@ import importlib
 import io
 import json
 import os
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -115,19 +116,26 @@ def parse(name: str, arguments: Sequence[str]) -> Any:
 
 
 def _one_line(boxed: str, name: str) -> str:
-    """The first paragraph of the parser's boxed message, as one line that names the help."""
-    words = []
-    for line in boxed.splitlines():
-        text = line.strip("│ ").strip()
-        if text.startswith(("╭", "╰")):
-            continue
-        if text.startswith("───"):
-            break
-        words.append(text)
-    message = " ".join(words).strip() or "the arguments do not parse"
-    near = [line.strip("│ ").split()[0] for line in boxed.splitlines() if "│     --" in line]
-    hint = f" Did you mean {near[0]}?" if "Perhaps you meant" in boxed and near else ""
-    return f"{message}{'' if message.endswith('.') else '.'}{hint} See: understudy {name} --help"
+    """The parser's boxed message, drawn with lines or in ASCII, as one line that names the help."""
+    lines = [line.strip("│ ") for line in boxed.splitlines()]
+    drawn = any(line.startswith("╭") for line in lines)
+    paragraphs: list[list[str]] = [[]]
+    for line in lines:
+        if line and set(line) <= set("─-"):
+            paragraphs.append([])
+        elif line and not line.startswith(("╭", "╰")):
+            paragraphs[-1].append(line)
+    message, *rest = paragraphs if drawn else paragraphs[1:] or [[]]  # in ASCII the title is first
+    near = [line.split()[0] for part in rest for line in part if line.startswith("--")]
+    meant = near and any(part[:1] == ["Perhaps you meant:"] for part in rest)
+    text = " ".join(message).rstrip(".") or "the arguments do not parse"
+    if text.startswith("Missing from") and len(message) > 1:
+        text = f"{message[1]} is missing"
+    # A value of none of an option's types: which types were tried is no help to a person.
+    text = re.sub(
+        r": no type matching .* instantiated from \[(.*?)\].*", r": it cannot be \1", text
+    )
+    return f"{text}.{f' Did you mean {near[0]}?' if meant else ''} See: understudy {name} --help"
 
 
 def _run(name: str, arguments: list[str], as_json: bool) -> int:
@@ -138,6 +146,8 @@ def _run(name: str, arguments: list[str], as_json: bool) -> int:
             outcome: Outcome = importlib.import_module(f"understudy.app.{name}").run(options)
     except SystemExit as end:
         return int(end.code or OK)
+    except BrokenPipeError:
+        raise
     except KeyboardInterrupt:
         return _fail(who, "interrupted; finished files are kept.", INTERRUPTED, as_json)
     except Exception as error:
