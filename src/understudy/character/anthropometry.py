@@ -193,6 +193,15 @@ def segments(parameters: SegmentParameters, sex: Sex) -> dict[str, Segment]:
     return {name: replace(s, mass=s.mass / total) for name, s in table.items()}
 
 
+def with_head(table: dict[str, Segment], size: float) -> dict[str, Segment]:
+    """The table with a head of another size: mass by the cube, the rest shares the remainder."""
+    head = table["head"]
+    mass = head.mass * size**3
+    left = (1.0 - mass) / (1.0 - head.mass)
+    out = {name: replace(s, mass=s.mass * left) for name, s in table.items()}
+    return out | {"head": replace(head, mass=mass)}
+
+
 def default_mass(height: float) -> float:
     """Body mass [kg] at `DEFAULT_BMI` for a height [m]."""
     return DEFAULT_BMI * height**2

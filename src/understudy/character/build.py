@@ -7,7 +7,8 @@ where the clip puts it, and a note says how far the clip strays from that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -68,6 +69,7 @@ def from_clip(
     inertia: Literal["anthropometry", "geometry"] = "anthropometry",
     segment_parameters: Literal["de_leva", "dempster"] = "de_leva",
     name: str | None = None,
+    head: float = 1.0,
 ) -> Character:
     """A character with the bones of a clip.
 
@@ -85,6 +87,8 @@ def from_clip(
             Dempster's densities, scaled to `mass` when that is given.
         segment_parameters: Table for inertia="anthropometry".
         name: Short name; None takes the clip's.
+        head: Size of the head over an adult's of the same stature; its mass goes with the cube, and
+            the other segments share what is left.
 
     Raises:
         InvalidValue: An option outside its choices, or a skeleton that is no size of a person.
@@ -112,6 +116,7 @@ def from_clip(
         positions={b.role: p for b, p in zip(bones, placed, strict=True)},
         tips={b.role: b.tip for b in bones if b.tip is not None},
         dropped=_plan_dropped(plan),
+        head=head,
     )
     shapes = dressed(figure)
     if inertia == "geometry":
@@ -120,7 +125,7 @@ def from_clip(
             mass = sum(p.mass for p in properties.values())
             mass_note = f"Mass {mass:.1f} kg: the shapes filled with Dempster's densities."
     else:
-        table = human.segments(segment_parameters, sex)
+        table = human.with_head(human.segments(segment_parameters, sex), head)
         properties = link_properties(figure, table)
     links = []
     for bone in bones:
@@ -183,6 +188,7 @@ class Figure:
         positions: Origin of each link in the neutral T-pose, mid-hip at the origin [m], by role.
         tips: Outboard end of links that have one, in the link frame [m], by role.
         dropped: Kinds of joints the plan leaves out with their mass.
+        head: Size of the head over an adult's of the same stature.
     """
 
     sex: Sex
@@ -191,6 +197,7 @@ class Figure:
     positions: dict[str, Array]
     tips: dict[str, Array]
     dropped: tuple[str, ...] = ()
+    head: float = 1.0
 
     @property
     def sole_height(self) -> float:
@@ -346,8 +353,6 @@ def _rest(bones: list[_Bone]) -> list[Array]:
 
 def _standing(links: list[Link], placed: list[Array], sole: float) -> Link:
     """The root link, raised so that the soles (or the lowest point) rest on z = 0."""
-    from dataclasses import replace
-
     feet = [p[2] + sole for k, p in zip(links, placed, strict=True) if k.joint.endswith("ankle")]
     lowest = min(feet) if feet else min(float(p[2]) for p in placed)
     return replace(links[0], offset=np.array([0.0, 0.0, -lowest]))
@@ -374,10 +379,7 @@ def _stature(clip: Clip, roles: Roles, given: float | None) -> tuple[float, str]
     ):
         found = []
         for side in ("left", "right"):
-            lengths = [
-                length(f"{side}_{a}", f"{side}_{b}")
-                for a, b in zip(joints, joints[1:], strict=False)
-            ]
+            lengths = [length(f"{side}_{a}", f"{side}_{b}") for a, b in pairwise(joints)]
             if all(v is not None for v in lengths):
                 found.append(sum(v for v in lengths if v is not None))
         if found:

@@ -97,7 +97,7 @@ def _joints(path: Any, text: str, tables: dict[str, Any], name: str) -> tuple[st
             _unknown(path, text, f"key of [{name}]", key, ("joints",))
     joints = table.get("joints", [])
     if not isinstance(joints, list) or not all(isinstance(j, str) for j in joints):
-        raise ClipError(path, f'joints must be a list: joints = ["Tail"].', _line(text, "joints"))
+        raise ClipError(path, 'joints must be a list: joints = ["Tail"].', _line(text, "joints"))
     return tuple(joints)
 
 

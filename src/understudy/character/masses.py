@@ -15,6 +15,8 @@ from understudy.motion.rotations import Array
 if TYPE_CHECKING:
     from understudy.character.build import Figure
 
+_UP = np.array([0.0, 0.0, 1.0])
+
 
 def link_properties(figure: Figure, table: dict[str, Segment]) -> dict[str, MassProperties]:
     """Published segments placed in the neutral T-pose and shared out to the links, by role.
@@ -35,9 +37,7 @@ def link_properties(figure: Figure, table: dict[str, Segment]) -> dict[str, Mass
         # A back of one joint is rigid from the navel up: the abdomen goes with the chest.
         carrier = "upper_back" if role == "lower_back" and "lower_back" not in parts else role
         give(carrier, _segment(figure, table, name, *trunk[name]))
-    head = human.DE_LEVA[figure.sex]["head"].length / human.DE_LEVA_STATURE[figure.sex]
-    vertex = top + [0.0, 0.0, head * figure.height]
-    give("neck", _segment(figure, table, "head", vertex, top))
+    give("neck", _segment(figure, table, "head", top + head_length(figure) * _UP, top))
     for side in ("left", "right"):
         for name, role, start, end in limb_points(figure, side):
             give(role, _segment(figure, table, name, start, end))
@@ -50,34 +50,39 @@ def link_properties(figure: Figure, table: dict[str, Segment]) -> dict[str, Mass
     return {role: _in_link(combined(own), figure.positions[role]) for role, own in parts.items()}
 
 
+def head_length(figure: Figure) -> float:
+    """From C7 to the vertex [m]."""
+    length = human.DE_LEVA[figure.sex]["head"].length / human.DE_LEVA_STATURE[figure.sex]
+    return length * figure.height * figure.head
+
+
 def trunk_line(figure: Figure) -> tuple[Array, Array]:
     """Mid-hip and C7 in the neutral T-pose [m]."""
     at, height = figure.positions, figure.height
     if "left_hip" in at and "right_hip" in at:
         bottom = 0.5 * (at["left_hip"] + at["right_hip"])
     else:
-        bottom = at["pelvis"] - [0.0, 0.0, 0.02 * height]
+        bottom = at["pelvis"] - 0.02 * height * _UP
     # C7 lies 0.030 of stature above the shoulder centers of the standard figure.
     if "left_shoulder" in at and "right_shoulder" in at:
-        top = 0.5 * (at["left_shoulder"] + at["right_shoulder"]) + [0.0, 0.0, 0.03 * height]
+        top = 0.5 * (at["left_shoulder"] + at["right_shoulder"]) + 0.03 * height * _UP
     elif "neck" in at:
         top = at["neck"]
     else:
-        top = bottom + [0.0, 0.0, (human.LENGTHS["trunk"] + 0.03) * height]
+        top = bottom + (human.LENGTHS["trunk"] + 0.03) * height * _UP
     if np.linalg.norm(top - bottom) < 0.1 * height:
-        top = bottom + [0.0, 0.0, (human.LENGTHS["trunk"] + 0.03) * height]
+        top = bottom + (human.LENGTHS["trunk"] + 0.03) * height * _UP
     return bottom, top
 
 
 def limb_points(figure: Figure, side: str) -> list[tuple[str, str, Array, Array]]:
     """Segment, role of its link, first and second landmark [m] of one arm and one leg."""
-    at, height = figure.positions, figure.height
+    at = figure.positions
     out = []
     lateral = np.array([0.0, 1.0 if side == "left" else -1.0, 0.0])
-    down = np.array([0.0, 0.0, -1.0])
     for chain, way in (
         ((("upper_arm", "shoulder"), ("forearm", "elbow"), ("hand", "wrist")), lateral),
-        ((("thigh", "hip"), ("shank", "knee")), down),
+        ((("thigh", "hip"), ("shank", "knee")), -_UP),
     ):
         start = at.get(f"{side}_{chain[0][1]}")
         if start is None:
@@ -109,8 +114,8 @@ def foot_points(figure: Figure, side: str) -> tuple[Array, Array]:
     if ball is not None:
         ahead = max(float(ball[0] - ankle[0]), 0.3 * ahead)
     middle = 0.5 * figure.sole_height
-    heel = ankle + [-human.ANKLE_POSITION * length, 0.0, middle]
-    tip = ankle + [ahead + (1 - human.BALL_POSITION) * length, 0.0, middle]
+    heel = ankle + np.array([-human.ANKLE_POSITION * length, 0.0, middle])
+    tip = ankle + np.array([ahead + (1 - human.BALL_POSITION) * length, 0.0, middle])
     return heel, tip
 
 

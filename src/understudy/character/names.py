@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from os.path import commonprefix
 
 # Kinds of joint each word may name, best first. A kind is a role without its side; "collar" and
 # "finger" are none, and say so.
@@ -115,7 +114,11 @@ class Hint:
 def hints(names: Sequence[str]) -> tuple[Hint, ...]:
     """A hint per joint name; prefixes all names share ("mixamorig:", "Bip01 ") are ignored."""
     bare = [name.split(":")[-1].split("|")[-1] for name in names]
-    shared = commonprefix(bare) if len(bare) > 1 else ""
+    shared = ""
+    if len(bare) > 1:
+        first, last = min(bare), max(bare)
+        same = next((i for i, c in enumerate(first) if last[i : i + 1] != c), len(first))
+        shared = first[:same]
     shared = shared if re.search(r"[_ .-]$|^mixamorig\d*$", shared) else ""
     return tuple(_hint(name[len(shared) :]) for name in bare)
 

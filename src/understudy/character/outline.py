@@ -1,8 +1,8 @@
 """What a person's links look like, and what of them touches.
 
-Each link of a person is one rounded, tapering solid drawn through cross-sections. Lengths follow the
-bones; girths follow stature. Widths over hips and shoulders come from the joints themselves. The
-remaining girths are our own drawing after adult proportions, scaled to stature.
+Each link of a person is one rounded, tapering solid drawn through cross-sections. Lengths follow
+the bones; girths follow stature. Widths over hips and shoulders come from the joints themselves.
+The remaining girths are our own drawing after adult proportions, scaled to stature.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from understudy.character import anthropometry as human
 from understudy.character.body import Shape
-from understudy.character.masses import foot_points, limb_points, trunk_line
+from understudy.character.masses import foot_points, head_length, limb_points, trunk_line
 from understudy.character.solids import Section, box, capsule, loft
 from understudy.motion.rotations import Array
 
@@ -32,7 +32,7 @@ SHOE = (0.13, 0.13, 0.15, 1.0)
 _LIMBS: dict[str, tuple[tuple[float, float, float], ...]] = {
     "thigh": ((0.0, 0.048, 0.053), (0.35, 0.044, 0.049), (0.75, 0.034, 0.037), (1.0, 0.030, 0.033)),
     "shank": ((0.0, 0.029, 0.031), (0.28, 0.032, 0.034), (0.65, 0.023, 0.025), (1.0, 0.018, 0.021)),
-    "upper_arm": ((0.0, 0.031, 0.031), (0.35, 0.027, 0.028), (1.0, 0.021, 0.022)),
+    "upper_arm": ((0.0, 0.030, 0.030), (0.30, 0.028, 0.028), (1.0, 0.021, 0.022)),
     "forearm": ((0.0, 0.022, 0.022), (0.25, 0.024, 0.023), (1.0, 0.016, 0.013)),
 }
 _COLORS = {"thigh": TROUSERS, "shank": TROUSERS, "upper_arm": SHIRT, "forearm": SKIN}
@@ -121,8 +121,8 @@ def _trunk(figure: Figure, shapes: dict[str, list[Shape]]) -> None:
         "pelvis",
         "pelvis",
         [
-            (-0.04, 0.75 * hips, 0.058 * h),
-            (0.06, hips, 0.066 * h),
+            (-0.05, 0.70 * hips, 0.055 * h),
+            (0.05, hips, 0.066 * h),
             (navel, (waist + 0.004) * h, 0.058 * h),
         ],
         TROUSERS,
@@ -139,18 +139,21 @@ def _trunk(figure: Figure, shapes: dict[str, list[Shape]]) -> None:
         SHIRT,
         (0.030, 0.030),
     )
-    yoke = max(shoulders - 0.012 * h, 0.06 * h)
+    # Shoulders as wide as their joints; a narrow skeleton still has ribs.
+    yoke = max(shoulders, 0.9 * ribs * h)
     piece(
         "chest",
         "upper_back",
         [
             (xiphoid - 0.05, ribs * h * 0.97, 0.060 * h),
-            (0.78, 0.90 * yoke + 0.006 * h, 0.066 * h),
-            (0.905, yoke, 0.050 * h),
-            (0.965, 0.55 * yoke, 0.038 * h),
+            (0.5 * (xiphoid + 0.85), 0.5 * (ribs * h + 0.9 * yoke) + 0.004 * h, 0.067 * h),
+            (0.87, 0.93 * yoke, 0.057 * h),
+            (0.93, 0.90 * yoke, 0.042 * h),
+            (0.975, 0.58 * yoke, 0.033 * h),
+            (1.01, 0.036 * h, 0.030 * h),
         ],
         SHIRT,
-        (0.030, 0.012),
+        (0.030, 0.004),
     )
 
 
@@ -166,14 +169,12 @@ def _level(point: Array, bottom: Array, top: Array) -> float:
 
 
 def _head(figure: Figure, shapes: dict[str, list[Shape]]) -> None:
-    """Neck, skull with a jaw, hair and a nose to see where it looks."""
-    h = figure.height
+    """Neck, skull with a jaw, hair, and eyes and a nose to see where it looks."""
+    h = figure.height * figure.head
     _, top = trunk_line(figure)
     carrier = _carrier(shapes, "neck")
     origin = figure.positions[carrier]
-    # The head is 0.130 of stature from chin to vertex, C7 0.018 below the chin.
-    head = human.DE_LEVA[figure.sex]["head"].length / human.DE_LEVA_STATURE[figure.sex] * h
-    vertex = top[2] + head
+    vertex = top[2] + head_length(figure)
 
     def at(z: float, x: float = 0.0) -> Array:
         return np.array([top[0] + x * h, top[1], vertex - z * h])
@@ -195,12 +196,18 @@ def _head(figure: Figure, shapes: dict[str, list[Shape]]) -> None:
     # Within the skull the neck would count twice.
     shapes[carrier].append(Shape(kind="mesh", vertices=stem.vertices, faces=stem.faces, rgba=SKIN))
     cap = [
-        Section(at(0.062, -0.020), 0.044 * h, 0.036 * h),
-        Section(at(0.035, -0.006), 0.0475 * h, 0.051 * h),
-        Section(at(0.016, -0.003), 0.038 * h, 0.046 * h),
+        Section(at(0.088, -0.030), 0.036 * h, 0.026 * h),
+        Section(at(0.062, -0.016), 0.0455 * h, 0.043 * h),
+        Section(at(0.036, -0.004), 0.0480 * h, 0.0545 * h),
+        Section(at(0.020, -0.001), 0.0420 * h, 0.0510 * h),
     ]
-    hair = _solid("head", cap, origin, HAIR, across=_Y, start_dome=0.012 * h, end_dome=0.019 * h)
+    hair = _solid("head", cap, origin, HAIR, across=_Y, start_dome=0.010 * h, end_dome=0.026 * h)
     shapes[carrier].append(Shape(kind="mesh", vertices=hair.vertices, faces=hair.faces, rgba=HAIR))
+    for y in (-0.019, 0.019):
+        eye = at(0.066, 0.0545) - origin + y * h * _Y
+        shapes[carrier].append(
+            Shape(kind="sphere", position=eye, size=np.array([0.0055 * h, 0, 0]), rgba=HAIR)
+        )
     nose = at(0.082, 0.060) - origin
     shapes[carrier].append(
         Shape(

@@ -1,8 +1,8 @@
 """Clips onto characters and back.
 
-Onto its own character a clip goes exactly: every link takes its clip joint's world orientation times
-a constant, and the root the joint's position. Onto another body go the joint rotations role by
-role, with the path of the hips scaled by leg length and the soles kept where the actor had them.
+Onto its own character a clip goes exactly: every link takes its clip joint's world orientation
+times a constant, and the root the joint's position. Onto another body go the joint rotations role
+by role, with the path of the hips scaled by leg length and the soles kept where the actor had them.
 """
 
 from __future__ import annotations
@@ -147,8 +147,8 @@ def _by_name(clip: Clip, character: Character) -> Clip:
     missing = [k.joint for k in character.links if k.joint not in clip.skeleton.names]
     if missing:
         raise InvalidValue(
-            f"{clip.name}: lacks the joint {missing[0]!r} of {character.name!r}, which has no roles "
-            "to go by."
+            f"{clip.name}: lacks the joint {missing[0]!r} of {character.name!r}, which has no "
+            "roles to go by."
         )
     pose = clip.forward_kinematics()
     index = [clip.skeleton.index(k.joint) for k in character.links]

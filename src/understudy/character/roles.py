@@ -8,7 +8,7 @@ where they say so, otherwise from where the feet point.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
@@ -22,7 +22,6 @@ from understudy.character.names import Hint, hints
 from understudy.errors import InvalidValue
 from understudy.motion.clip import Clip
 from understudy.motion.figure import ROLES
-from understudy.motion.rotations import Array
 from understudy.motion.skeleton import Skeleton
 
 _LEG = LENGTHS["thigh"] + LENGTHS["shank"]
@@ -123,9 +122,7 @@ def find_roles(clip: Clip, *, mapping: Mapping | None = None) -> Roles:
     mapping = mapping or Mapping()
     mapping.check(clip.skeleton)
     tree = _Tree(clip, mapping)
-    found = _search(tree)
-    reason = found.pop("", "") if isinstance(found.get(""), str) else ""
-    roles: dict[str, Role] = {k: v for k, v in found.items() if isinstance(v, Role)}
+    roles, reason = _search(tree)
     for role, joint in mapping.roles.items():
         roles[role] = Role(
             role=role, joint=joint, origin=joint, confidence=1.0, evidence="said by the mapping"
@@ -142,35 +139,52 @@ def find_roles(clip: Clip, *, mapping: Mapping | None = None) -> Roles:
 
 
 class _Tree:
-    """A skeleton with what the search needs: lengths, reach, hints, sampled positions."""
+    """A skeleton with what the search needs: lengths, reach, hints, sampled positions.
+
+    End sites count as joints here, numbered after the real ones, so that a forearm that ends
+    without a hand still is a bone.
+    """
 
     def __init__(self, clip: Clip, mapping: Mapping):
         skeleton = clip.skeleton
         self.skeleton = skeleton
-        self.hints: tuple[Hint, ...] = hints(skeleton.names)
-        self.lengths = np.linalg.norm(skeleton.offsets, axis=1)
+        self.real = len(skeleton)
+        self.parents = (*skeleton.parents, *skeleton.end_joints)
+        nothing = Hint("", ())
+        self.hints: tuple[Hint, ...] = (
+            *hints(skeleton.names),
+            *(nothing for _ in skeleton.end_joints),
+        )
+        offsets = np.concatenate((skeleton.offsets, skeleton.end_offsets))
+        self.lengths = np.linalg.norm(offsets, axis=1)
         self.lengths[0] = 0.0
-        step = max(1, clip.frames // _SAMPLES)
         rest = skeleton.rest_positions()
-        self.positions = np.concatenate((rest[None], clip.forward_kinematics().positions[::step]))
-        self.ends = np.zeros(len(skeleton))
-        for joint, offset in zip(skeleton.end_joints, skeleton.end_offsets, strict=True):
-            self.ends[joint] = max(self.ends[joint], float(np.linalg.norm(offset)))
+        rest = np.concatenate((rest, rest[list(skeleton.end_joints)] + skeleton.end_offsets))
+        step = max(1, clip.frames // _SAMPLES)
+        pose = clip.forward_kinematics()
+        seen = np.concatenate((pose.positions[::step], pose.ends[::step]), axis=1)
+        self.positions = np.concatenate((rest[None], seen))
         hidden = {skeleton.index(n) for n in mapping.drop}
-        for i, p in enumerate(skeleton.parents):
+        for i, p in enumerate(self.parents):
             if p in hidden:
                 hidden.add(i)
         self.hidden = hidden
         self.unlinked = {skeleton.index(n) for n in mapping.fold}
-        self.reach = np.array(self.ends)
-        for i in range(len(skeleton) - 1, 0, -1):
-            p = skeleton.parents[i]
+        self.reach = np.zeros(len(self.parents))
+        for i in range(len(self.parents) - 1, 0, -1):
+            if i not in hidden and i >= self.real:
+                self._carry(i)
+        for i in range(self.real - 1, 0, -1):
             if i not in hidden:
-                self.reach[p] = max(self.reach[p], self.lengths[i] + self.reach[i])
+                self._carry(i)
         self.tiny = 1e-3 * max(float(self.reach.max()), 1e-9)
 
+    def _carry(self, joint: int) -> None:
+        p = self.parents[joint]
+        self.reach[p] = max(self.reach[p], self.lengths[joint] + self.reach[joint])
+
     def children(self, joint: int) -> list[int]:
-        return [c for c in self.skeleton.children(joint) if c not in self.hidden]
+        return [i for i, p in enumerate(self.parents) if p == joint and i not in self.hidden]
 
     def kinds(self, joint: int) -> tuple[str, ...]:
         return self.hints[joint].kinds
@@ -186,8 +200,8 @@ class _Tree:
     def ancestors(self, joint: int) -> list[int]:
         """The joint and all inboard of it, outermost first."""
         out = [joint]
-        while self.skeleton.parents[out[-1]] >= 0:
-            out.append(self.skeleton.parents[out[-1]])
+        while self.parents[out[-1]] >= 0:
+            out.append(self.parents[out[-1]])
         return out
 
     def between(self, inboard: int, outboard: int) -> float:
@@ -195,7 +209,7 @@ class _Tree:
         total = 0.0
         while outboard != inboard:
             total += float(self.lengths[outboard])
-            outboard = self.skeleton.parents[outboard]
+            outboard = self.parents[outboard]
         return total
 
 
@@ -221,7 +235,7 @@ class _Pair:
 def _pairs(tree: _Tree) -> Iterator[_Pair]:
     """Pairs of chains that are alike in length or opposite in name."""
     longest = float(tree.reach.max())
-    for root in range(len(tree.skeleton)):
+    for root in range(tree.real):
         heads = [c for c in tree.children(root) if tree.lengths[c] + tree.reach[c] > 0.2 * longest]
         for a, b in combinations(heads, 2):
             one, two = tree.chain(a), tree.chain(b)
@@ -255,13 +269,19 @@ def _alike(tree: _Tree, one: list[int], two: list[int]) -> bool:
     return bool(np.abs(a - b).sum() < 0.15 * max(a.sum(), b.sum()))
 
 
-def _limb_pair(tree, root, one, two, cost) -> tuple[_Limb, _Limb] | None:
+def _limb_pair(
+    tree: _Tree, root: int, one: list[int], two: list[int], cost: Callable[..., float]
+) -> tuple[_Limb, _Limb] | None:
     """The best limb of either chain, joints at the same places where both chains have as many."""
     best: tuple[float, _Limb, _Limb] | None = None
     if len(one) == len(two):
         for places in combinations(range(len(one)), 3):
             limbs = [
-                _Limb(j := tuple(c[i] for i in places), cost(tree, root, c, j), tuple(c))
+                _Limb(
+                    j := (c[places[0]], c[places[1]], c[places[2]]),
+                    cost(tree, root, c, j),
+                    tuple(c),
+                )
                 for c in (one, two)
             ]
             total = 0.5 * (limbs[0].cost + limbs[1].cost)
@@ -311,10 +331,13 @@ def _arm(tree: _Tree, root: int, chain: list[int], joints: tuple[int, ...]) -> f
 
 
 def _skipped(tree: _Tree, chain: list[int], joints: tuple[int, ...]) -> float:
-    """Joints with a length of their own that are passed over; of several at one place, the first."""
+    """Joints of a length that are passed over; of several at one place the first is best."""
+    if joints[1] >= tree.real:
+        return np.inf
     first, last = chain.index(joints[0]), chain.index(joints[-1])
     passed = [j for j in chain[first + 1 : last] if j not in joints]
     cost = 0.3 * sum(tree.lengths[j] > tree.tiny for j in passed)
+    cost += 0.3 * (joints[2] >= tree.real)
     cost += 0.1 * sum(tree.lengths[j] <= tree.tiny for j in joints[1:])
     # A zero-length joint before the limb (LHipJoint) is not the limb's first joint.
     head = chain[: first + 1]
@@ -337,17 +360,17 @@ def _naming(tree: _Tree, joints: tuple[int, ...], kinds: tuple[str, ...]) -> flo
 # -- the search -------------------------------------------------------------------------------
 
 
-def _search(tree: _Tree) -> dict[str, Role | str]:
-    """Roles by name, and under "" the reason."""
+def _search(tree: _Tree) -> tuple[dict[str, Role], str]:
+    """Roles by name, and what was decided on."""
     legs, arms = _limbs(tree)
     if legs is None and arms is None:
-        return {"": "no two chains are alike in the way of legs or arms."}
+        return {}, "no two chains are alike in the way of legs or arms."
     if not _person(tree, legs, arms):
-        return {"": "the trunk never stands upright over the legs."}
+        return {}, "the trunk never stands upright over the legs."
     pelvis = legs.root if legs is not None else 0
     spine, neck = _trunk(tree, pelvis, arms)
     sides, how = _sides(tree, legs, arms)
-    out: dict[str, Role | str] = {"": _reason(legs, arms, how)}
+    out: dict[str, Role] = {}
 
     def add(role: str, joint: int, kind: str, why: str, origin: int | None = None) -> None:
         said = tree.kinds(joint)
@@ -380,6 +403,8 @@ def _search(tree: _Tree) -> dict[str, Role | str]:
         for side, which in sides[tail or "arm"].items():
             limb = limbs[which]
             for kind, joint in zip(kinds, limb.joints, strict=True):
+                if joint >= tree.real:
+                    continue
                 add(f"{side}_{kind}", joint, kind, f"lengths of {'leg' if tail else 'arm'}")
             toe = _toe(tree, limb) if tail else None
             if toe is not None:
@@ -387,7 +412,7 @@ def _search(tree: _Tree) -> dict[str, Role | str]:
     if not ("left_ball" in out and "right_ball" in out):
         out.pop("left_ball", None)
         out.pop("right_ball", None)
-    return out
+    return out, _reason(legs, arms, how)
 
 
 def _limbs(tree: _Tree) -> tuple[_Pair | None, _Pair | None]:
@@ -424,12 +449,12 @@ def _alone(tree: _Tree, pair: _Pair, read: str) -> bool:
     assert limbs is not None
     kinds = ("hip", "knee", "ankle") if read == "legs" else ("shoulder", "elbow", "wrist")
     named = sum(
-        kind in tree.kinds(j) for l in limbs for j, kind in zip(l.joints, kinds, strict=True)
+        kind in tree.kinds(j) for arm in limbs for j, kind in zip(arm.joints, kinds, strict=True)
     )
     if named >= 4:
         return True
     other = pair.arms if read == "legs" else pair.legs
-    said = any(tree.kinds(j) for l in (*limbs, *(other or ())) for j in l.joints)
+    said = any(tree.kinds(j) for arm in (*limbs, *(other or ())) for j in arm.joints)
     if said or not _other_chain(tree, pair):
         return False
     drop = tree.positions[:, limbs[0].joints[0], 2] - tree.positions[:, limbs[0].joints[2], 2]
@@ -454,8 +479,8 @@ def _size(tree: _Tree, limb: _Limb) -> float:
 def _inside(tree: _Tree, joint: int) -> set[int]:
     """A joint and all outboard of it."""
     out = {joint}
-    for i in range(joint + 1, len(tree.skeleton)):
-        if tree.skeleton.parents[i] in out:
+    for i in range(joint + 1, len(tree.parents)):
+        if tree.parents[i] in out:
             out.add(i)
     return out
 
@@ -518,6 +543,8 @@ def _back_without_arms(tree: _Tree, pelvis: int) -> list[int]:
         return []
     out = []
     for joint in tree.chain(heads[0]):
+        if joint >= tree.real:
+            break
         if {"neck", "head"} & set(tree.kinds(joint)):
             break
         out.append(joint)
@@ -535,7 +562,9 @@ def _neck(tree: _Tree, top: int, taken: set[int]) -> list[int]:
     if not heads:
         return []
     start = max(heads, key=lambda c: tree.lengths[c] + tree.reach[c])
-    chain = tree.chain(start)
+    chain = [j for j in tree.chain(start) if j < tree.real]
+    if not chain:
+        return []
     first = next((i for i, j in enumerate(chain) if "neck" in tree.kinds(j)), 0)
     chain = chain[first:]
     heads_named = [i for i, j in enumerate(chain) if "head" in tree.kinds(j)]
@@ -554,7 +583,10 @@ def _neck(tree: _Tree, top: int, taken: set[int]) -> list[int]:
 
 def _toe(tree: _Tree, limb: _Limb) -> int | None:
     """The joint at the ball of the foot."""
+    if limb.joints[2] >= tree.real:
+        return None
     chain = limb.chain[limb.chain.index(limb.joints[2]) + 1 :]
+    chain = tuple(j for j in chain if j < tree.real)
     named = [j for j in chain if "ball" in tree.kinds(j)]
     if named:
         return named[0]
@@ -593,11 +625,7 @@ def _geometric_side(tree: _Tree, pair: _Pair, legs: _Pair | None) -> tuple[bool,
     if legs is not None and legs.legs is not None:
         how = "where the feet point"
         for limb in legs.legs:
-            tail = limb.chain[-1]
-            if tail != limb.joints[2]:
-                forward += at[:, tail] - at[:, limb.joints[2]]
-            else:
-                forward += _end_of(tree, limb.joints[2])
+            forward += at[:, limb.chain[-1]] - at[:, limb.joints[2]]
     if np.abs(forward[..., :2]).sum() <= tree.tiny and len(at) > 2:
         travel = at[-1, 0] - at[1, 0]
         forward, how = np.broadcast_to(travel, across.shape), "the way it travels"
@@ -607,14 +635,6 @@ def _geometric_side(tree: _Tree, pair: _Pair, legs: _Pair | None) -> tuple[bool,
         # The custom of most files: in the rest pose left is +x of the file.
         return bool(across[0, 0] > 0), "the custom that left is the file's +x"
     return vote > 0, how
-
-
-def _end_of(tree: _Tree, joint: int) -> Array:
-    """Direction of a joint's end site at rest, shape (3,)."""
-    for carrier, offset in zip(tree.skeleton.end_joints, tree.skeleton.end_offsets, strict=True):
-        if carrier == joint:
-            return offset
-    return np.zeros(3)
 
 
 def _reason(legs: _Pair | None, arms: _Pair | None, how: str) -> str:

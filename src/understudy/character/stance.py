@@ -1,10 +1,10 @@
 """The neutral stance of a skeleton, and from it how each link lies in its clip joint's frame.
 
-A link frame is aligned with the world in the neutral T-pose (x forward, y left, z up). No clip shows
-that pose, so it is inferred bone by bone from a reference: the rest pose where that is a plausible
-upright stance, else the clip's most neutral frame. Whatever is inferred is a constant per joint, so
-a clip's own motion is reproduced exactly in any case; the inference decides only what a joint angle
-means, and so how a motion looks on another body.
+A link frame is aligned with the world in the neutral T-pose (x forward, y left, z up). No clip
+shows that pose, so it is inferred bone by bone from a reference: the rest pose where that is a
+plausible upright stance, else the clip's most neutral frame. Whatever is inferred is a constant per
+joint, so a clip's own motion is reproduced exactly in any case; the inference decides only what a
+joint angle means, and so how a motion looks on another body.
 """
 
 from __future__ import annotations

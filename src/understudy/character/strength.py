@@ -124,9 +124,9 @@ EXERTIONS: dict[str, tuple[Exertion, ...]] = {
 }
 
 # Largest angle from neutral in any direction [deg]: the widest single motion of the joint. Elbow
-# 143 and wrist 76 from Boone and Azen 1979; neck 64 from a meta-analysis of young men; the trunk's 80
-# split evenly between its two joints (clinical lists). Shoulders and hips go nearly everywhere, and
-# no source checked for the rest: none.
+# 143 and wrist 76 from Boone and Azen 1979; neck 64 from a meta-analysis of young men; the
+# trunk's 80 split evenly between its two joints (clinical lists). Shoulders and hips go nearly
+# everywhere, and no source was at hand for the rest: none.
 RANGE_OF_MOTION: dict[str, float] = {"elbow": 143.0, "wrist": 76.0, "neck": 64.0, "back": 40.0}
 
 
