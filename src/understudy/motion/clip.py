@@ -106,12 +106,14 @@ class Clip:
             )
         if not (np.isfinite(self.rate) and 0 < self.rate <= 1e5):
             raise InvalidValue(f"rate is {self.rate} Hz; it must be positive and at most 100000.")
-        length = np.linalg.norm(turned, axis=-1)
+        length = np.sqrt(np.einsum("...i,...i->...", turned, turned))
         if np.any(length < 1e-6):
             raise InvalidValue("A joint rotation is the zero quaternion.")
         # Unit quaternions pass unchanged, so that a clip written and read again is the same bits.
         length[np.abs(length - 1.0) < 1e-15] = 1.0
-        turned = rot.continuous(turned / length[..., None])
+        if np.any(length != 1.0):
+            turned = turned / length[..., None]
+        turned = rot.continuous(turned)
         turned.setflags(write=False)
         set_ = object.__setattr__
         set_(self, "rotations", turned)

@@ -36,15 +36,12 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Array:
     a, b = np.asarray(a, float), np.asarray(b, float)
     aw, ax, ay, az = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
     bw, bx, by, bz = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
-    return np.stack(
-        (
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ),
-        axis=-1,
-    )
+    out = np.empty((*np.broadcast_shapes(a.shape[:-1], b.shape[:-1]), 4))
+    out[..., 0] = aw * bw - ax * bx - ay * by - az * bz
+    out[..., 1] = aw * bx + ax * bw + ay * bz - az * by
+    out[..., 2] = aw * by - ax * bz + ay * bw + az * bx
+    out[..., 3] = aw * bz + ax * by - ay * bx + az * bw
+    return out
 
 
 def conjugate(q: ArrayLike) -> Array:
@@ -55,10 +52,15 @@ def conjugate(q: ArrayLike) -> Array:
 def rotate(q: ArrayLike, v: ArrayLike) -> Array:
     """Vectors v, shape (..., 3), turned by q."""
     q, v = np.asarray(q, float), np.asarray(v, float)
-    w, u = q[..., :1], q[..., 1:]
-    u, v = np.broadcast_arrays(u, v)
-    t = 2.0 * np.cross(u, v)
-    return v + w * t + np.cross(u, t)
+    w, x, y, z = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    a, b, c = v[..., 0], v[..., 1], v[..., 2]
+    # v + 2 w (u x v) + 2 u x (u x v) with u = (x, y, z); written out, np.cross is much slower.
+    i, j, k = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    out = np.empty((*np.broadcast_shapes(q.shape[:-1], v.shape[:-1]), 3))
+    out[..., 0] = a + w * i + (y * k - z * j)
+    out[..., 1] = b + w * j + (z * i - x * k)
+    out[..., 2] = c + w * k + (x * j - y * i)
+    return out
 
 
 def to_matrix(q: ArrayLike) -> Array:
@@ -142,9 +144,10 @@ def slerp(a: ArrayLike, b: ArrayLike, weight: ArrayLike) -> Array:
 def continuous(q: ArrayLike, axis: int = 0) -> Array:
     """The same rotations with signs chosen so that neighbors along `axis` share a hemisphere."""
     q = np.moveaxis(np.array(q, float), axis, 0)
-    if len(q) > 1:
-        flips = np.where(np.sum(q[1:] * q[:-1], axis=-1) < 0.0, -1.0, 1.0)
-        q[1:] *= np.cumprod(flips, axis=0)[..., None]
+    apart = np.einsum("...i,...i->...", q[1:], q[:-1]) < 0.0
+    if np.any(apart):
+        flipped = np.logical_xor.accumulate(apart, axis=0)[..., None]
+        np.negative(q[1:], out=q[1:], where=flipped)
     return np.moveaxis(q, 0, axis)
 
 
