@@ -20,7 +20,9 @@ from understudy.character.bones import bone_character
 from understudy.character.mapping import Mapping
 from understudy.character.masses import link_properties, measured_properties
 from understudy.character.outline import dressed
+from understudy.character.retarget import retargeted
 from understudy.character.roles import Role, Roles, find_roles
+from understudy.character.soles import fitted_soles
 from understudy.character.stance import Stance, neutral_stance
 from understudy.character.strength import RANGE_OF_MOTION, joint_kind, torque_limits
 from understudy.errors import InvalidValue
@@ -162,7 +164,7 @@ def from_clip(
         if a in names and b in names and (a, b) not in neighbors and (b, a) not in neighbors
     )
     notes = [height_note, mass_note, stance.note, *_fold_notes(bones)]
-    return Character(
+    character = Character(
         name=name or clip.name,
         links=tuple(links),
         plan=plan,
@@ -175,6 +177,7 @@ def from_clip(
         self_collisions=pairs,
         notes=tuple(notes),
     )
+    return fitted_soles(retargeted(clip, character), character)
 
 
 @dataclass(frozen=True, kw_only=True)

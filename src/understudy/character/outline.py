@@ -14,7 +14,7 @@ import numpy as np
 from understudy.character import anthropometry as human
 from understudy.character.body import Shape
 from understudy.character.masses import foot_points, head_length, limb_points, trunk_line
-from understudy.character.solids import Section, box, capsule, loft
+from understudy.character.solids import Section, capsule, loft
 from understudy.motion.rotations import Array
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ SKIN = (0.82, 0.67, 0.56, 1.0)
 HAIR = (0.26, 0.20, 0.17, 1.0)
 SHIRT = (0.25, 0.42, 0.60, 1.0)
 TROUSERS = (0.22, 0.25, 0.32, 1.0)
+# Radius of the contact spheres of a sole, part of stature (2 cm for an adult).
+SOLE_RADIUS = 0.011
 SHOE = (0.13, 0.13, 0.15, 1.0)
 
 # Half axes over stature at fractions of the bone: (fraction, across, deep). Across is side to side
@@ -311,10 +313,12 @@ def _foot(figure: Figure, shapes: dict[str, list[Shape]], side: str) -> None:
     ]
     thick = 0.5 * (ankle[2] - sole)
 
-    def contact_box(start: float, end: float, origin: Array) -> Shape:
-        low = np.array([start, y - 0.8 * wide, sole]) - origin
-        high = np.array([end, y + 0.8 * wide, sole + thick]) - origin
-        return box(low, high, use="contact", rgba=SHOE)
+    # Spheres roll over heel and toes where a box would pivot on its edges.
+    radius = SOLE_RADIUS * figure.height
+
+    def sole_spheres(x: float, origin: Array) -> list[Shape]:
+        centers = [np.array([x, y + side, sole + radius]) for side in (0.6 * wide, -0.6 * wide)]
+        return [capsule(c - origin, c - origin, radius, use="contact", rgba=SHOE) for c in centers]
 
     parts = [("foot", ankle_role, hind, 0.07 * length, 0.4 * ball_height)]
     if ball_role in shapes:
@@ -337,11 +341,12 @@ def _foot(figure: Figure, shapes: dict[str, list[Shape]], side: str) -> None:
             )
         )
     origin = figure.positions[ankle_role]
+    shapes[ankle_role] += sole_spheres(heel[0] + radius, origin)
+    shapes[ankle_role] += sole_spheres(ball_x, origin)
     if ball_role in shapes:
-        shapes[ankle_role].append(contact_box(heel[0], ball_x, origin))
-        shapes[ball_role].append(contact_box(ball_x, tip[0], figure.positions[ball_role]))
+        shapes[ball_role] += sole_spheres(tip[0] - radius, figure.positions[ball_role])
     else:
-        shapes[ankle_role].append(contact_box(heel[0], tip[0], origin))
+        shapes[ankle_role] += sole_spheres(tip[0] - radius, origin)
     low = np.array([ankle[0], y, sole + thick]) - origin
     high = np.array([ball_x, y, sole + 0.8 * thick]) - origin
     shapes[ankle_role].append(capsule(low, high, 0.8 * thick, use="collision", rgba=SHOE))

@@ -13,21 +13,16 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from understudy.character.body import Character
+from understudy.character.soles import sole_heights, sole_points, standing
 from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
-from understudy.motion.clip import Clip, Pose
+from understudy.motion.clip import Clip
 from understudy.motion.edits import sampled
 from understudy.motion.figure import PARENTS
 from understudy.motion.rotations import Array
 
 # The vertical correction that keeps soles on the ground is smoothed over this long [s].
 _SMOOTHING = 0.03
-# The floor under an actor: soles lower than this part of the time.
-_FLOOR_QUANTILE = 0.05
-# A sole at rest: a corner this near the lowest [m] and this slow [m/s].
-_RESTING_HEIGHT, _RESTING_SPEED = 0.02, 0.5
-# Captured floors are uneven by this part of stature; more is a step up.
-_UNEVEN = 0.06
 
 
 def retargeted(clip: Clip, character: Character) -> Clip:
@@ -173,7 +168,7 @@ def _performed(clip: Clip, actor: Character, body: Character) -> Clip:
     path[:, :2] += hips[0, :2] * (1.0 - scale)
     path -= rot.rotate(turned[:, 0], _mid_hip(body))
     out = _on(clip, body, turned, path, f"Performed by {body.name!r}, path scaled by {scale:.3f}.")
-    lift = _lift(pose, actor, out.forward_kinematics(), body, scale, clip.rate)
+    lift = _lift(clip, actor, out, body, scale)
     path = np.array(path)
     path[:, 2] += lift
     return replace(out, root_positions=path)
@@ -205,64 +200,14 @@ def _leg_length(character: Character) -> float:
     return 0.53 * character.height
 
 
-def _sole_points(character: Character) -> list[tuple[int, Array]]:
-    """Link and corners of every contact box of the feet [m], shape (4, 3)."""
-    out = []
-    for i, link in enumerate(character.links):
-        if not link.joint.endswith(("ankle", "ball")):
-            continue
-        for shape in link.shapes:
-            if shape.use == "contact":
-                x, y, z = shape.size
-                low = [(sx * x, sy * y, -z) for sx in (-1, 1) for sy in (-1, 1)]
-                out.append((i, shape.position + np.array(low)))
-    return out
-
-
-def lowest_soles(pose: Pose, character: Character) -> Array:
-    """Height of the lowest point of any sole [m], shape (frames,); the root's without feet."""
-    points = _sole_points(character)
-    if not points:
-        return pose.positions[:, 0, 2]
-    heights = [
-        pose.positions[:, i, None, 2] + rot.rotate(pose.rotations[:, i, None], corners)[..., 2]
-        for i, corners in points
-    ]
-    return np.concatenate(heights, axis=1).min(axis=1)
-
-
-def _lift(
-    pose: Pose, actor: Character, out: Pose, body: Character, scale: float, rate: float
-) -> Array:
+def _lift(clip: Clip, actor: Character, out: Clip, body: Character, scale: float) -> Array:
     """What to add to the body's height so that its soles are where the actor's are [m].
 
     While a sole of the actor rests on the floor the body's lowest sole is put on z = 0; in between,
     in a flight, it is as high as the actor's in scale.
     """
-    if not (_sole_points(actor) and _sole_points(body)):
-        return np.zeros(len(pose.positions))
-    soles = lowest_soles(pose, actor)
-    wanted = scale * np.maximum(soles - _floor(soles, pose, actor, rate), 0.0)
-    lift = wanted - lowest_soles(out, body)
-    return gaussian_filter1d(lift, _SMOOTHING * rate, mode="nearest") if len(lift) > 1 else lift
-
-
-def _floor(soles: Array, pose: Pose, actor: Character, rate: float) -> Array:
-    """Height of the floor under the actor [m], shape (frames,), as his resting soles show it."""
-    level = float(np.quantile(soles, _FLOOR_QUANTILE))
-    resting = np.zeros(len(soles), bool)
-    for link, corners in _sole_points(actor):
-        turned = rot.rotate(pose.rotations[:, link, None], corners)
-        points = pose.positions[:, link, None] + turned
-        if len(points) > 1:
-            speed = np.linalg.norm(np.gradient(points, axis=0), axis=-1) * rate
-        else:
-            speed = np.zeros(points.shape[:2])
-        low = points[..., 2] < soles[:, None] + _RESTING_HEIGHT
-        resting |= (low & (speed < _RESTING_SPEED)).any(axis=1)
-    # Steps and stages are no floor: the body climbs them as the actor did.
-    resting &= np.abs(soles - level) < _UNEVEN * actor.height
-    if not resting.any():
-        return np.full(len(soles), level)
-    frames = np.flatnonzero(resting)
-    return np.interp(np.arange(len(soles)), frames, soles[frames])
+    if not (sole_points(actor) and sole_points(body)):
+        return np.zeros(clip.frames)
+    over_floor = sole_heights(standing(clip, actor), actor).min(axis=1)
+    lift = scale * np.maximum(over_floor, 0.0) - sole_heights(out, body).min(axis=1)
+    return gaussian_filter1d(lift, _SMOOTHING * clip.rate, mode="nearest")

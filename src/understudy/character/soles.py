@@ -13,71 +13,35 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, median_filter
 
-from understudy.character.body import Character, Shape
+from understudy.character.body import Character
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.edits import derivative
 from understudy.motion.rotations import Array
 
-RADIUS = 0.011  # Of the contact spheres, part of stature (2 cm for an adult).
 SLOW = 0.35  # A point in stance moves slower than this [m/s].
 LOW = 0.12  # And lies lower than this over the floor [m].
 MOST = 0.03  # Most a point moves in one round [m].
 ROUNDS = 3
 
 
-def sphere_soles(character: Character) -> Character:
-    """The same body with the contact boxes of its feet replaced by spheres at their lower corners.
-
-    Spheres roll over heel and toe where a box would pivot on an edge.
-    """
-    links = list(character.links)
-    radius = RADIUS * character.height
-    for i, link in enumerate(links):
-        if not _is_foot(link.joint):
-            continue
-        shapes: list[Shape] = []
-        # The hind part keeps its rear and its ball; the toes only their tips.
-        toes = link.joint.endswith("ball")
-        for shape in link.shapes:
-            if not (shape.contact and shape.kind == "box"):
-                shapes.append(shape)
-                continue
-            low, high = shape.position - shape.size, shape.position + shape.size
-            for x in [high[0]] if toes else [low[0], high[0]]:
-                inward = x - radius if x == high[0] else x + radius
-                for y in (low[1] + radius, high[1] - radius):
-                    center = np.array([inward, y, low[2] + radius])
-                    shapes.append(
-                        replace(
-                            shape,
-                            kind="sphere",
-                            position=center,
-                            rotation=rot.identity(),
-                            size=np.array([radius, 0.0, 0.0]),
-                        )
-                    )
-        links[i] = replace(link, shapes=tuple(shapes))
-    return replace(character, links=tuple(links))
-
-
-def fitted_soles(clip: Clip, character: Character) -> tuple[Character, Clip]:
-    """The body with soles fitted to a clip, and the clip standing on z = 0 with them.
+def fitted_soles(clip: Clip, character: Character) -> Character:
+    """The body with soles fitted to the way a clip stands.
 
     Three rounds: the floor's height over time is where the lowest slow point is; each point then
-    moves along its link's z until its own 5 % quantile of height is 0. At last the clip is shifted
-    so that the soles sink 1 mm at the 20 % quantile of their lowest point.
+    moves along its link's z until its own 5 % quantile of height is 0. Inner and outer points, left
+    and right feet move alike: a body's shoes are alike.
 
     Args:
         clip: On the character's own skeleton.
-        character: A body with sphere soles.
+        character: The body.
 
     Returns:
-        The fitted body and the clip, both unchanged when no foot is ever slow and low.
+        The fitted body; the same where no foot is ever slow and low.
     """
     points = sole_points(character)
     if not points:
-        return character, clip
+        return character
     shifts = np.zeros(len(points))
     grounded = clip
     for _ in range(ROUNDS):
@@ -87,11 +51,7 @@ def fitted_soles(clip: Clip, character: Character) -> tuple[Character, Clip]:
             used = heights[slow[:, k] & (heights[:, k] < LOW), k]
             if len(used) >= 3:
                 shifts[k] -= float(np.clip(np.quantile(used, 0.05), -MOST, MOST))
-    # Left and right corners of the same part share one shift, and so do left and right feet: a
-    # body's shoes are alike.
-    shifts = _shared(character, points, shifts)
-    grounded = standing(grounded, character, shifts=shifts)
-    return _moved(character, points, shifts), grounded
+    return _moved(character, points, _shared(character, points, shifts))
 
 
 def standing(clip: Clip, character: Character, *, shifts: Array | None = None) -> Clip:
