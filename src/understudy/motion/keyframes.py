@@ -153,10 +153,11 @@ def keyframed(
     for joint, angles in base.items():
         turned[:, skeleton.index(joint)] = rotation(joint, angles)
     for joint in dict.fromkeys(j for key in keys for j in key.pose):
+        index = skeleton.index(joint)
         known = [key for key in keys if joint in key.pose]
         track = np.array([rotation(joint, key.pose[joint]) for key in known])
         knots = np.array([key.time for key in known])
-        turned[:, skeleton.index(joint)] = _rotation_track(knots, track, times, ease)
+        turned[:, index] = _rotation_track(knots, track, times, ease)
     placed = [key for key in keys if key.root is not None]
     path = np.tile(skeleton.offsets[0], (len(times), 1))
     if placed:
