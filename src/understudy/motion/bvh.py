@@ -7,8 +7,10 @@ there is no code per exporter.
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -193,46 +195,29 @@ def _recording(
     joints = hierarchy.joints
     channels = tuple(joint.channels or "" for joint in joints)
     offsets = np.array([joint.offset for joint in joints])
-    starts = np.concatenate(([0], np.cumsum([len(c) for c in channels])))[:-1]
-    rotations = rot.identity(len(table), len(joints))
-    columns: dict[str, list[tuple[int, list[int]]]] = {}
-    for j, letters in enumerate(channels):
-        order = "".join(c for c in letters if c.isupper())
-        columns.setdefault(order, []).append(
-            (j, [int(starts[j]) + k for k, c in enumerate(letters) if c.isupper()])
-        )
-    for order, members in columns.items():
-        if order:
-            angles = np.radians(table[:, np.array([c for _, c in members])])
-            rotations[:, [j for j, _ in members]] = rot.from_euler(order, angles)
-    root = np.tile(offsets[0], (len(table), 1))
-    moving: dict[int, Array] = {}
-    for j, letters in enumerate(channels):
-        placed = [(k, "xyz".index(c)) for k, c in enumerate(letters) if c in "xyz"]
-        if not placed:
-            continue
-        values = np.tile(offsets[j], (len(table), 1))
-        for k, axis in placed:
-            values[:, axis] = table[:, starts[j] + k]
-        if j == 0:
-            root = values
-        elif np.any(table[:, [int(starts[j]) + k for k, _ in placed]]):
-            moving[j] = values
-    tree = [joint.parent for joint in joints]
-    fold = _folded(tree, moving, root, rotations)
+    parents = [joint.parent for joint in joints]
     ends = hierarchy.ends
-    if fold is not None:
-        root, rotations = fold
+    starts = [0, *itertools.accumulate(len(letters) for letters in channels)]
+    rotations = rotations_of(table, channels, starts)
+    root, moving = _positions(table, channels, starts, offsets)
+    if _carries(parents, moving):
+        # Several exporters put the hips under a node that stands still at the origin.
         notes = [*notes, f"The root {names[0]!r} only carries {names[1]!r}: both became one root."]
-        moving.pop(1)
+        root = root + rot.rotate(rotations[:, 0], moving.pop(1))
+        hips = rot.multiply(rotations[:, 0], rotations[:, 1])
+        rotations = np.concatenate((hips[:, None], rotations[:, 2:]), axis=1)
         moving = {j - 1: values for j, values in moving.items()}
         names, channels, offsets = names[1:], channels[1:], offsets[1:]
-        tree = [p - 1 for p in tree[1:]]
+        parents = [-1, *(p - 1 for p in parents[2:])]
         ends = [(j - 1, offset) for j, offset in ends if j > 0]
     for j, values in moving.items():
-        offsets[j] = values.mean(axis=0)
-        spread = float(np.linalg.norm(values - offsets[j], axis=1).max())
-        if spread > 1e-4 * max(float(np.abs(offsets).max()), 1e-12):
+        middle = values.mean(axis=0)
+        size = max(float(np.abs(offsets).max()), 1e-12)
+        spread = float(np.linalg.norm(values - middle, axis=1).max())
+        # Some exporters list the change against OFFSET instead of the place itself.
+        change = np.linalg.norm(middle) < 0.25 * np.linalg.norm(offsets[j])
+        offsets[j] = offsets[j] + middle if change else middle
+        if spread > 1e-4 * size:
             notes = [
                 *notes,
                 f"Joint {names[j]!r} moves against its parent by up to {spread:.4g} file units; "
@@ -243,7 +228,7 @@ def _recording(
         name=Path(path).stem,
         skeleton=Skeleton(
             names=names,
-            parents=tuple(tree),
+            parents=tuple(parents),
             offsets=offsets,
             end_joints=tuple(j for j, _ in ends),
             end_offsets=np.array([offset for _, offset in ends]).reshape(-1, 3),
@@ -256,19 +241,74 @@ def _recording(
     )
 
 
-def _folded(
-    parents: list[int], moving: dict[int, Array], root: Array, rotations: Array
-) -> tuple[Array, Array] | None:
-    """World path and rotations with the root's only child as the root, where that child travels.
+def rotations_of(table: Array, channels: tuple[str, ...], starts: list[int]) -> Array:
+    """Local rotations from the rotation channels, in degrees, shape (frames, joints, 4)."""
+    out = rot.identity(len(table), len(channels))
+    members: dict[str, list[int]] = {}
+    for j, letters in enumerate(channels):
+        members.setdefault("".join(c for c in letters if c.isupper()), []).append(j)
+    members.pop("", None)
+    columns = {
+        order: np.array([_columns(channels[j], starts[j], str.isupper) for j in joints])
+        for order, joints in members.items()
+    }
+    # Blocks of rows stay in the processor's cache: twice as fast as whole columns.
+    for first in range(0, len(table), 256):
+        rows = slice(first, first + 256)
+        half = table[rows] * (np.pi / 360.0)
+        sines, cosines = np.sin(half), np.cos(half)
+        for order, joints in members.items():
+            if len(set(order)) == 3:
+                at = columns[order]
+                out[rows, joints] = _three_turns(order, sines[:, at], cosines[:, at])
+            else:
+                out[rows, joints] = rot.from_euler(order, 2.0 * half[:, columns[order]])
+    return out
 
-    Several exporters put the hips under a node that stands still at the origin.
-    """
+
+def _three_turns(order: str, sines: Array, cosines: Array) -> Array:
+    """Quaternions of turns about three different axes, from sines and cosines of half angles."""
+    s1, s2, s3 = (sines[..., k] for k in range(3))
+    c1, c2, c3 = (cosines[..., k] for k in range(3))
+    a, b, c = (1 + "XYZ".index(axis) for axis in order)
+    sign = 1.0 if (b - a) % 3 == 1 else -1.0
+    s3_signed = sign * s3
+    cc, ss, sc, cs = c1 * c2, s1 * s2, s1 * c2, c1 * s2
+    out = np.empty((*s1.shape, 4))
+    out[..., 0] = cc * c3 - ss * s3_signed
+    out[..., a] = sc * c3 + cs * s3_signed
+    out[..., b] = cs * c3 - sc * s3_signed
+    out[..., c] = cc * s3 + sign * ss * c3
+    return out
+
+
+def _columns(letters: str, start: int, kind: Callable[[str], bool]) -> list[int]:
+    """Columns of the table under those channels of a joint that are of a kind."""
+    return [start + k for k, letter in enumerate(letters) if kind(letter)]
+
+
+def _positions(
+    table: Array, channels: tuple[str, ...], starts: list[int], offsets: Array
+) -> tuple[Array, dict[int, Array]]:
+    """The root's path, and the places against their parents of joints that state them."""
+    root = np.tile(offsets[0], (len(table), 1))
+    moving: dict[int, Array] = {}
+    for j, letters in enumerate(channels):
+        columns = _columns(letters, starts[j], str.islower)
+        if not columns:
+            continue
+        values = np.tile(offsets[j], (len(table), 1))
+        values[:, ["xyz".index(c) for c in letters if c.islower()]] = table[:, columns]
+        if j == 0:
+            root = values
+        elif np.any(table[:, columns]):
+            moving[j] = values
+    return root, moving
+
+
+def _carries(parents: list[int], moving: dict[int, Array]) -> bool:
+    """Whether the root has one child only and that child travels."""
     if 1 not in moving or parents.count(0) != 1:
-        return None
+        return False
     travel = float(np.ptp(moving[1], axis=0).max())
-    if travel <= 1e-3 * max(float(np.abs(moving[1]).max()), 1e-12):
-        return None
-    path = root + rot.rotate(rotations[:, 0], moving[1])
-    turned = rotations[:, 1:].copy()
-    turned[:, 0] = rot.multiply(rotations[:, 0], rotations[:, 1])
-    return path, turned
+    return travel > 1e-3 * max(float(np.abs(moving[1]).max()), 1e-12)

@@ -6,7 +6,7 @@ the pair nearest the root. Each finding comes with a sentence for the clip's not
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -260,24 +260,33 @@ def first_motion_frame(recording: Recording, rate: float, t_pose: str) -> tuple[
     )
 
 
-def raised_from_zero(clip: Clip) -> tuple[Clip, list[str]]:
-    """The clip stood on z = 0 where its root never leaves the origin, and a note."""
-    if np.abs(clip.root_positions).max() > 1e-9 or len(clip.skeleton) < 2:
-        return clip, []
-    pose = clip.forward_kinematics()
-    lowest = float(min(pose.positions[..., 2].min(), pose.ends[..., 2].min(initial=np.inf)))
+def lift_from_zero(skeleton: Skeleton, rotations: Array, path: Array) -> tuple[Array, list[str]]:
+    """What stands a body on z = 0 whose root never leaves the origin [m], (3,), and a note."""
+    none = np.zeros(3)
+    if np.abs(path).max() > 1e-9 or len(skeleton) < 2:
+        return none, []
+    some = np.unique(np.linspace(0, len(path) - 1, 600).astype(int))
+    lowest = float(_heights(skeleton, rotations[some], path[some])[1].min())
     if lowest > -1e-6:
-        return clip, []
-    raised = replace(clip, root_positions=clip.root_positions - [0.0, 0.0, lowest])
-    return raised, [
+        return none, []
+    return np.array([0.0, 0.0, -lowest]), [
         f"The root path is zero, so the motion stays in place; the body was raised by "
         f"{-lowest:.3f} m to stand on the ground."
     ]
 
 
-def rate_notes(clip: Clip) -> list[str]:
+def _heights(skeleton: Skeleton, rotations: Array, path: Array) -> tuple[Array, Array]:
+    """Heights of the joints [m], (frames, joints), and of the lowest point, (frames,)."""
+    pose = Clip(
+        skeleton=skeleton, rotations=rotations, root_positions=path, rate=1.0
+    ).forward_kinematics()
+    joints = pose.positions[..., 2]
+    return joints, np.minimum(joints.min(axis=1), pose.ends[..., 2].min(axis=1, initial=np.inf))
+
+
+def rate_notes(skeleton: Skeleton, rotations: Array, path: Array, rate: float) -> list[str]:
     """A warning when bodies in flight fall far from 9.81 m/s2, as at a wrong frame rate."""
-    falls = free_fall(clip)
+    falls = free_fall(skeleton, rotations, path, rate)
     if len(falls) == 0 or np.ptp(falls) > 0.6 * np.median(falls):
         return []
     gravity = float(np.median(falls))
@@ -286,32 +295,29 @@ def rate_notes(clip: Clip) -> list[str]:
     for factor, low, high, least in ((0.5, 30.0, 56.0, 1), (2.0, 1.7, 3.4, 2)):
         if low < gravity < high and len(falls) >= least:
             return [
-                f"Flights fall with {gravity:.1f} m/s2 at {clip.rate:g} Hz; with "
-                f"rate={clip.rate * factor:g} it would be {gravity * factor**2:.1f}."
+                f"Flights fall with {gravity:.1f} m/s2 at {rate:g} Hz; with "
+                f"rate={rate * factor:g} it would be {gravity * factor**2:.1f}."
             ]
     return []
 
 
-def free_fall(clip: Clip) -> Array:
-    """Downward acceleration [m/s2] in each flight of a clip, shape (flights,).
+def free_fall(skeleton: Skeleton, rotations: Array, path: Array, rate: float) -> Array:
+    """Downward acceleration [m/s2] in each flight of a motion with z up, shape (flights,).
 
     A flight is a stretch in which the whole body is clear of the ground and its middle (the mean of
     all joints, which strays less from the center of mass than the root does) follows a parabola.
     Looks at 1200 frames at up to about 120 Hz: enough for a warning.
     """
-    stride = max(1, round(clip.rate / 120.0))
+    stride = max(1, round(rate / 120.0))
     some = slice(0, 1200 * stride, stride)
-    rate = clip.rate / stride
-    thin = replace(clip, rotations=clip.rotations[some], root_positions=clip.root_positions[some])
-    pose = thin.forward_kinematics()
-    heights = pose.positions[..., 2]
-    lowest = np.minimum(heights.min(axis=1), pose.ends[..., 2].min(axis=1, initial=np.inf))
+    rate = rate / stride
+    heights, lowest = _heights(skeleton, rotations[some], path[some])
     size = float(np.median(heights.max(axis=1) - lowest))
     clear = lowest > np.percentile(lowest, 5) + 0.03 * size
     edges = np.flatnonzero(np.diff(np.concatenate(([0], clear.astype(int), [0]))))
     found = []
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        if stop - start < max(5, round(0.058 * rate)) or start == 0 or stop == thin.frames:
+        if stop - start < max(5, round(0.058 * rate)) or start == 0 or stop == len(lowest):
             continue
         time = np.arange(stop - start) / rate
         middle = heights[start:stop].mean(axis=1)

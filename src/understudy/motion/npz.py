@@ -22,6 +22,7 @@ from understudy.motion.clip import Clip, Conventions
 from understudy.motion.files import written
 from understudy.motion.skeleton import Skeleton
 from understudy.motion.source import MAX_JOINTS, file_bytes, quoted
+from understudy.motion.values import LARGEST
 
 FORMAT = "understudy clip 1"
 # All arrays of a file together; an hour of a body of 31 joints at 120 Hz takes 430 MiB.
@@ -111,6 +112,10 @@ def _array(data: bytes, name: str, path: str | os.PathLike[str]) -> np.ndarray[A
             f"{quoted(name)} states the shape {quoted(str(shape))}, which does not fit its "
             f"{max(len(data) - start, 0)} bytes.",
         )
+    if kind == "U" and count:
+        codes = np.frombuffer(data, np.dtype(f"{order}u4"), offset=start)
+        if codes.max(initial=0) > 0x10FFFF or np.any((codes >= 0xD800) & (codes < 0xE000)):
+            raise ClipError(path, f"{quoted(name)} holds text that is no Unicode.")
     array = np.frombuffer(data, dtype, count, start) if count else np.zeros(0, dtype)
     return array.reshape(shape, order="F" if fortran == "True" else "C")
 
@@ -180,6 +185,11 @@ def clip_of(arrays: dict[str, np.ndarray[Any, Any]], path: str | os.PathLike[str
             raise InvalidValue(f"{name!r} has {arrays[name].size} values instead of one")
         return arrays[name].reshape(-1)[0]
 
+    def numbers(name: str) -> np.ndarray[Any, Any]:
+        if arrays[name].dtype.kind not in "fiu" or not np.all(np.abs(arrays[name]) <= LARGEST):
+            raise InvalidValue(f"{name!r} has values that are no numbers, or above 1e9")
+        return arrays[name]
+
     def texts(name: str) -> tuple[str, ...]:
         if arrays[name].dtype.kind != "U" or arrays[name].ndim != 1:
             raise InvalidValue(f"{name!r} is no list of texts")
@@ -197,12 +207,12 @@ def clip_of(arrays: dict[str, np.ndarray[Any, Any]], path: str | os.PathLike[str
             skeleton=Skeleton(
                 names=texts("names"),
                 parents=whole("parents"),
-                offsets=arrays["offsets"],
+                offsets=numbers("offsets"),
                 end_joints=whole("end_joints"),
-                end_offsets=arrays["end_offsets"],
+                end_offsets=numbers("end_offsets"),
             ),
-            rotations=arrays["rotations"],
-            root_positions=arrays["root_positions"],
+            rotations=numbers("rotations"),
+            root_positions=numbers("root_positions"),
             rate=float(one("rate")),
             name=str(one("name")),
             synthetic=bool(one("synthetic")),

@@ -7,8 +7,6 @@ can be overruled by an argument.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from understudy.errors import ClipError, InvalidValue
@@ -16,6 +14,7 @@ from understudy.motion import detection
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip, Conventions
 from understudy.motion.recording import Recording, unit_in_meters
+from understudy.motion.rotations import Array
 from understudy.motion.skeleton import Skeleton
 
 
@@ -74,35 +73,42 @@ def settled(
         channels=recording.channels,
     )
     try:
-        clip = _converted(recording.kept(slice(first, None)), conventions, hertz)
+        skeleton, rotations, path = _converted(recording.kept(slice(first, None)), conventions)
+        lift, more = detection.lift_from_zero(skeleton, rotations, path)
+        notes += more
+        notes += detection.rate_notes(skeleton, rotations, path, hertz)
+        return Clip(
+            skeleton=skeleton,
+            rotations=rotations,
+            root_positions=path + lift,
+            rate=hertz,
+            name=recording.name,
+            notes=tuple(notes),
+            conventions=conventions,
+        )
     except InvalidValue as error:
         raise ClipError(recording.path, str(error)) from None
-    clip, more = detection.raised_from_zero(clip)
-    notes += more
-    notes += detection.rate_notes(clip)
-    return replace(clip, notes=tuple(notes))
 
 
-def _converted(recording: Recording, conventions: Conventions, rate: float) -> Clip:
-    """The recording turned to z up and scaled to meters, nothing else."""
+def _converted(recording: Recording, conventions: Conventions) -> tuple[Skeleton, Array, Array]:
+    """Skeleton, rotations and root path, turned to z up and scaled to meters."""
     # The change of axes permutes coordinates; whole numbers keep it exact.
     turn = np.round(rot.to_matrix(conventions.axis_change))
     unit = conventions.unit
     rotations = np.empty_like(recording.rotations)
     rotations[..., 0] = recording.rotations[..., 0]
-    np.matmul(recording.rotations[..., 1:], turn.T, out=rotations[..., 1:])
+    for axis, row in enumerate(turn):
+        source = int(np.argmax(np.abs(row)))
+        np.multiply(recording.rotations[..., 1 + source], row[source], out=rotations[..., 1 + axis])
     skeleton = recording.skeleton
-    return Clip(
-        skeleton=Skeleton(
+    return (
+        Skeleton(
             names=skeleton.names,
             parents=skeleton.parents,
             offsets=skeleton.offsets @ turn.T * unit,
             end_joints=skeleton.end_joints,
             end_offsets=skeleton.end_offsets @ turn.T * unit,
         ),
-        rotations=rotations,
-        root_positions=recording.root_positions @ turn.T * unit,
-        rate=rate,
-        name=recording.name,
-        conventions=conventions,
+        rotations,
+        recording.root_positions @ turn.T * unit,
     )

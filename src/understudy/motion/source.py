@@ -37,7 +37,7 @@ def file_bytes(path: str | os.PathLike[str]) -> bytes:
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise ClipError(path, f"cannot be read: {reason}.") from None
-    if not data.strip():
+    if data.isspace() or not data:
         raise ClipError(path, "is empty; export the motion again.")
     return plain(data)
 
