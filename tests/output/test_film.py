@@ -14,7 +14,7 @@ from understudy.output.film import at_even_times, ffmpeg, video
 from understudy.take import Take
 
 Image = pytest.importorskip("PIL.Image")
-SMALL = {"width": 96, "height": 64, "renderer": "raycast"}
+SMALL = {"width": 96, "height": 64, "renderer": "software"}
 
 
 def frames_of(path: Path) -> np.ndarray:
@@ -29,7 +29,7 @@ def test_film_lasts_as_long_as_the_motion(take: Take, tmp_path: Path) -> None:
     done = video(take, tmp_path / "a.mp4", fps=12.0, **SMALL)
     frames = frames_of(tmp_path / "a.mp4")
     assert done.frames == len(frames) == 13
-    assert done.renderer == "raycast"
+    assert done.renderer == "software"
     assert frames.std() > 10 and not np.array_equal(frames[0], frames[-1])
 
 

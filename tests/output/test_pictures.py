@@ -16,11 +16,11 @@ Image = pytest.importorskip("PIL.Image")
 
 def test_still_says_what_it_shows_and_how_it_was_drawn(take: Take, tmp_path: Path) -> None:
     drawn = still(take, 0.5, tmp_path / "a.png", width=160, height=120)
-    assert drawn.renderer == "raycast"
+    assert drawn.renderer == "software"
     with Image.open(tmp_path / "a.png") as read:
         assert read.size == (160, 120)
         assert np.array_equal(np.asarray(read), drawn.pixels)
-        assert read.text["Renderer"] == "raycast"
+        assert read.text["Renderer"] == "software"
         assert read.text["Time"] == "0.500 s"
 
 
@@ -46,7 +46,7 @@ def test_sheet_has_a_row_for_the_captured_and_one_for_the_simulated(
     alone = contact_sheet(clip, count=3, width=40, height=60)
     assert both.pixels.shape[0] - alone.pixels.shape[0] == 60 + 4
     with Image.open(tmp_path / "sheet.png") as read:
-        assert read.text["Renderer"] == "raycast"
+        assert read.text["Renderer"] == "software"
 
 
 def test_sheet_wraps_into_bands(clip: Clip) -> None:

@@ -1,4 +1,4 @@
-"""Choosing a renderer: OpenGL where it works, rays everywhere else, never a word in between."""
+"""Choosing a renderer: OpenGL where it works, software everywhere else, silently."""
 
 import subprocess
 import sys
@@ -22,10 +22,10 @@ def no_library(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.usefixtures("no_library")
-def test_without_a_graphics_library_rays_are_cast(model: mujoco.MjModel) -> None:
+def test_without_a_graphics_library_software_draws(model: mujoco.MjModel) -> None:
     assert gl.backend() is None
-    assert opened(model, 64, 48).name == "raycast"
-    with pytest.raises(UnderstudyError, match="renderer='raycast'"):
+    assert opened(model, 64, 48).name == "software"
+    with pytest.raises(UnderstudyError, match="renderer='software'"):
         opened(model, 64, 48, renderer="opengl")
 
 
@@ -35,7 +35,7 @@ def test_broken_library_is_found_out_without_a_word(
     monkeypatch.setattr(gl, "_candidates", lambda: ["no_such_backend"])
     gl.backend.cache_clear()
     try:
-        assert opened(model, 64, 48, renderer="auto").name == "raycast"
+        assert opened(model, 64, 48, renderer="auto").name == "software"
     finally:
         gl.backend.cache_clear()
     assert capfd.readouterr() == ("", "")
@@ -52,25 +52,25 @@ def test_library_that_kills_its_process_is_survived(monkeypatch: pytest.MonkeyPa
 
 
 def test_unknown_renderer_is_refused(model: mujoco.MjModel) -> None:
-    with pytest.raises(UnknownName, match="raycast"):
-        opened(model, 64, 48, renderer="raycaster")
+    with pytest.raises(UnknownName, match="software"):
+        opened(model, 64, 48, renderer="softwear")
 
 
-def test_drawing_by_rays_loads_no_graphics_library() -> None:
+def test_software_drawing_loads_no_graphics_library() -> None:
     code = (
         "import sys, mujoco, numpy as np\n"
         "from understudy.output.renderer import opened\n"
-        "opened(mujoco.MjModel.from_xml_string('<mujoco/>'), 32, 32, renderer='raycast')\n"
+        "opened(mujoco.MjModel.from_xml_string('<mujoco/>'), 32, 32, renderer='software')\n"
         "assert not [m for m in sys.modules if m.startswith('OpenGL') or m == 'PIL']\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
 
 
-def test_opengl_sees_the_body_where_rays_do(playing: Playback) -> None:
+def test_opengl_sees_the_body_where_software_does(playing: Playback) -> None:
     if gl.backend() is None:
         pytest.skip("no OpenGL library on this machine")
     shot, masks = playing.shot("follow-side", 4 / 3), []
-    for name in ("opengl", "raycast"):
+    for name in ("opengl", "software"):
         drawing = opened(playing.model, 160, 120, renderer=name, spec=playing.spec, shadows=False)
         assert drawing.name == name
         away = playing.qpos[8].copy()

@@ -30,7 +30,7 @@ class Options:
         stills: NAME.png, a contact sheet of captured and simulated poses.
         player: NAME_player.html, a 3D player in one file.
         view: front, three-quarter, side or back; follow-... keeps the body in the middle.
-        renderer: opengl where it works, or raycast, which works everywhere.
+        renderer: opengl where it works, or software, which works everywhere.
         json: Print one JSON object.
     """
 
@@ -42,7 +42,7 @@ class Options:
     stills: bool = False
     player: bool = False
     view: str = "follow"
-    renderer: Literal["auto", "opengl", "raycast"] = "auto"
+    renderer: Literal["auto", "opengl", "software"] = "auto"
     json: bool = False
 
 

@@ -39,7 +39,7 @@ class Video:
     Attributes:
         frames: Number of frames.
         rate: Frames per second [Hz].
-        renderer: "opengl" or "raycast".
+        renderer: "opengl" or "software".
         encoder: The program that compressed the frames: a path of ffmpeg, or "pillow".
     """
 
@@ -70,7 +70,7 @@ def video(
         ghost: The captured motion "over" the simulated body, "beside" it, or "none".
         width: Width [pixels]; made even for .mp4.
         height: Height [pixels]; made even for .mp4.
-        renderer: "auto" (OpenGL where it works), "opengl" or "raycast".
+        renderer: "auto" (OpenGL where it works), "opengl" or "software".
 
     Raises:
         InvalidValue: Another extension, a rate outside 1 to 240 Hz, or a size that is no picture.
@@ -132,7 +132,7 @@ def _frames(
     renderer: str,
     stack: ExitStack,
 ) -> tuple[str, Iterator[np.ndarray[Any, np.dtype[np.uint8]]]]:
-    """The renderer's name and the pictures in order; rays are cast on every core."""
+    """The renderer's name and the pictures in order, drawn on every core without OpenGL."""
     width, height = size
     shot = shown.shot(view, width / height)
 

@@ -152,7 +152,7 @@ class GLRenderer:
     def picture(
         self, qpos: Array, camera: Camera, *, ghost: Array | None = None, opacity: float = 0.4
     ) -> np.ndarray[Any, np.dtype[np.uint8]]:
-        """One picture, uint8, shape (height, width, 3); see `RayCaster.picture`."""
+        """One picture, uint8, shape (height, width, 3); see `SoftwareRenderer.picture`."""
         self._context.make_current()
         scene, every = self._scene, mujoco.mjtCatBit.mjCAT_ALL
         self._pose(self._data, qpos)

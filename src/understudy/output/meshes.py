@@ -17,8 +17,10 @@ from understudy.motion.rotations import Array
 
 # The engine's own convention: geometry groups 0 to 2 are shown, 3 and up are hidden.
 _SHOWN_GROUPS = 3
-_AROUND = 18  # corners of a round cross-section
+_AROUND = 20  # corners of a round cross-section
 _DOME = 5  # rings of half a sphere
+# A polygon with the area of its circle is this much larger than the one inscribed.
+_SWELL = np.sqrt(2.0 * np.pi / _AROUND / np.sin(2.0 * np.pi / _AROUND))
 _CREASE = np.radians(50.0)  # sharper edges of meshes stay sharp
 
 
@@ -122,7 +124,7 @@ def sphere(radii: Array, half_length: float = 0.0) -> tuple[Array, Array, np.nda
         ),
         axis=-1,
     )
-    points = unit * radii
+    points = unit * radii * _SWELL
     if half_length > 0:
         points[: _DOME + 1, :, 2] += half_length
         points[_DOME + 1 :, :, 2] -= half_length
@@ -155,14 +157,14 @@ def cylinder(radius: float, half_length: float) -> tuple[Array, Array, np.ndarra
     turn = np.arange(_AROUND) * (2 * np.pi / _AROUND)
     rim = np.stack((np.cos(turn), np.sin(turn), np.zeros(_AROUND)), axis=-1)
     up = np.array([0.0, 0.0, half_length])
-    wall = np.concatenate((rim * radius + up, rim * radius - up))
+    wall = np.concatenate((rim * radius * _SWELL + up, rim * radius * _SWELL - up))
     points, normals, triangles = [wall], [np.concatenate((rim, rim))], [_grid(2, _AROUND)]
     fan = np.stack(
         (np.zeros(_AROUND - 2), np.arange(1, _AROUND - 1), np.arange(2, _AROUND)), -1
     ).astype(np.int32)
     for side in (1.0, -1.0):
         start = sum(len(p) for p in points)
-        points.append(rim * radius + up * side)
+        points.append(rim * radius * _SWELL + up * side)
         normals.append(np.broadcast_to(np.array([0.0, 0.0, side]), (_AROUND, 3)))
         triangles.append(start + (fan if side > 0 else fan[:, ::-1]))
     return np.concatenate(points), np.concatenate(normals), np.concatenate(triangles)

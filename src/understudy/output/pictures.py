@@ -33,7 +33,7 @@ class Picture:
 
     Attributes:
         pixels: Red, green, blue, uint8, shape (height, width, 3).
-        renderer: "opengl" or "raycast".
+        renderer: "opengl" or "software".
         text: What is stored with the picture: title, renderer, view, time.
     """
 
@@ -51,7 +51,7 @@ def still(
     ghost: str = "over",
     width: int = 960,
     height: int = 720,
-    renderer: str = "raycast",
+    renderer: str = "software",
 ) -> Picture:
     """Draw one moment, framed so that the body fills the picture.
 
@@ -64,9 +64,9 @@ def still(
         ghost: The captured motion "over" the simulated body, "beside" it, or "none".
         width: Width [pixels].
         height: Height [pixels].
-        renderer: "raycast", "opengl" or "auto"; see `renderer.opened`. Rays are the default: for a
-            few pictures they take less time than finding out whether OpenGL works, look the same
-            on every machine, and cast soft shadows.
+        renderer: "software", "opengl" or "auto"; see `renderer.opened`. Software is the
+            default: for a few pictures it takes less time than finding out whether OpenGL works,
+            looks the same on every machine, and draws soft shadows.
 
     Raises:
         InvalidValue: A time outside the motion, or a size that is no picture.
@@ -105,7 +105,7 @@ def contact_sheet(
     view: str = "follow",
     width: int = 220,
     height: int = 280,
-    renderer: str = "raycast",
+    renderer: str = "software",
 ) -> Picture:
     """Draw a motion as a strip of moments at even times, captured above simulated.
 

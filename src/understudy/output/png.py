@@ -17,7 +17,7 @@ def encoded(pixels: np.ndarray, text: Mapping[str, str] | None = None) -> bytes:
 
     Args:
         pixels: Red, green and blue, row by row from the top.
-        text: Fields stored with the picture, such as {"Renderer": "raycast"}; Latin-1.
+        text: Fields stored with the picture, such as {"Renderer": "software"}; Latin-1.
     """
     height, width = pixels.shape[:2]
     rows = np.ascontiguousarray(pixels, np.uint8).reshape(height, -1)

@@ -1,4 +1,4 @@
-"""One face for two ways to draw: OpenGL where it works, rays everywhere else."""
+"""One face for two ways to draw: OpenGL where it works, NumPy everywhere else."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from understudy.errors import UnderstudyError, UnknownName
 from understudy.motion.rotations import Array
 from understudy.output.camera import Camera
 from understudy.output.gl import GLRenderer, backend
-from understudy.output.raycast import RayCaster
+from understudy.output.software import SoftwareRenderer
 
-RENDERERS = ("auto", "opengl", "raycast")
+RENDERERS = ("auto", "opengl", "software")
 
 
 class Renderer(Protocol):
     """Draws a model.
 
     Attributes:
-        name: "opengl" or "raycast".
+        name: "opengl" or "software".
     """
 
     name: str
@@ -30,7 +30,7 @@ class Renderer(Protocol):
     def picture(
         self, qpos: Array, camera: Camera, *, ghost: Array | None = None, opacity: float = 0.4
     ) -> np.ndarray[Any, np.dtype[np.uint8]]:
-        """One picture of a pose, uint8, shape (height, width, 3); see `RayCaster.picture`."""
+        """One picture of a pose, uint8, (height, width, 3); see `SoftwareRenderer.picture`."""
         ...
 
     def close(self) -> None:
@@ -54,10 +54,10 @@ def opened(
         model: What is drawn.
         width: Width [pixels].
         height: Height [pixels].
-        renderer: "opengl" (the engine's own), "raycast" (needs no graphics library), or "auto":
+        renderer: "opengl" (the engine's own), "software" (needs no graphics library), or "auto":
             OpenGL where it works.
         spec: Makes a specification of the model, which OpenGL dresses with a sky and tiles.
-        shadows: Draw the body's shadow on the ground (rays: on the body too).
+        shadows: Draw the body's shadow on the ground (software: on the body too).
         samples: Samples on an edge that OpenGL takes; 0 is fastest.
         ghost_bodies: Bodies that a ghost shows.
 
@@ -67,7 +67,7 @@ def opened(
     """
     if renderer not in RENDERERS:
         raise UnknownName("renderer", renderer, RENDERERS)
-    if renderer != "raycast" and backend() is not None:
+    if renderer != "software" and backend() is not None:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
@@ -82,7 +82,7 @@ def opened(
                 )
         except RuntimeError as error:
             if renderer == "opengl":
-                raise UnderstudyError(f"{error}; use renderer='raycast'.") from error
+                raise UnderstudyError(f"{error}; use renderer='software'.") from error
     if renderer == "opengl":
-        raise UnderstudyError("No OpenGL library draws on this machine; use renderer='raycast'.")
-    return RayCaster(model, width, height, shadows=shadows, ghost_bodies=ghost_bodies)
+        raise UnderstudyError("No OpenGL library draws on this machine; use renderer='software'.")
+    return SoftwareRenderer(model, width, height, shadows=shadows, ghost_bodies=ghost_bodies)

@@ -1,13 +1,12 @@
-"""Pictures without any graphics library: rays through the engine's own geometry.
+"""Pictures without any graphics library, by NumPy alone.
 
-`mj_multiRay` finds what every ray hits, whatever the shape; NumPy shades it. Rays are cast only
-where a body can be, the ground and the sky are closed forms, and only pixels on an edge are cast
-again with more rays, so that stills look smooth.
+The bodies' triangles are drawn with a depth buffer, the ground and the sky are closed forms, and
+only pixels on an edge are drawn again with more samples, so that stills look smooth.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
@@ -16,7 +15,7 @@ import numpy as np
 from understudy.motion.rotations import Array
 from understudy.output import meshes
 from understudy.output.camera import Camera
-from understudy.output.rays import LAMP_DISTANCE, ShadowMap, Shapes
+from understudy.output.raster import Seen, Shadows, Shapes
 from understudy.output.shading import (
     GHOST,
     HORIZON,
@@ -33,34 +32,34 @@ from understudy.output.shading import (
 _TILE = 0.5  # m
 _FOG = 0.018  # 1/m; the ground fades into the horizon
 _GHOST_DEPTH = 0.04  # m; a ghost tints the body only where it is this much nearer
-# Offsets of the extra rays through an edge pixel [pixels]: a rotated grid.
-_SUBPIXELS = np.array([[-0.125, -0.375], [0.375, -0.125], [-0.375, 0.125], [0.125, 0.375]])
+# Where the extra samples of an edge pixel lie [pixels]: a rotated grid.
+_SAMPLES = ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375))
 
 
 @dataclass(frozen=True)
 class _View:
     """Rays and all that does not change while the camera only moves.
 
-    `ground` numbers the rays that fall toward the ground; `distance`, `place` and `size` tell how
+    `ground` selects the rays that fall toward the ground; `distance`, `place` and `size` tell how
     far along they meet a ground one meter below, where, and how wide a pixel is there [m].
     """
 
     rays: Array
     sky: np.ndarray
-    ground: np.ndarray
+    ground: slice | np.ndarray
     distance: np.ndarray
     place: np.ndarray
     size: np.ndarray
 
 
-class RayCaster:
-    """Draws a model with rays; needs nothing but the engine and NumPy.
+class SoftwareRenderer:
+    """Draws a model with nothing but NumPy.
 
     Attributes:
-        name: "raycast".
+        name: "software".
     """
 
-    name = "raycast"
+    name = "software"
 
     def __init__(
         self,
@@ -72,16 +71,17 @@ class RayCaster:
         ghost_bodies: tuple[int, ...] = (),
     ):
         self.width, self.height, self._shadows = width, height, shadows
-        self._body = Shapes(model)
-        self._ghost = Shapes(model, ghost_bodies)
+        surfaces = meshes.surfaces(model)
+        self._body = Shapes(model, surfaces)
+        self._ghost = Shapes(model, [s for s in surfaces if s.body in ghost_bodies])
         plane = meshes.planes(model)
         self._plane = int(plane[0]) if len(plane) else None
-        self._shadow: ShadowMap | None = None
+        self._shadow: Shadows | None = None
         self._kept: tuple[bytes, _View] | None = None
         self._light = np.array([0.0, 0.0, 1.0])
         self._body.pose(np.array(model.qpos0))
 
-    def __enter__(self) -> RayCaster:
+    def __enter__(self) -> SoftwareRenderer:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -107,33 +107,36 @@ class RayCaster:
         if ghost is not None:
             self._ghost.pose(ghost)
             bodies.append((self._ghost, opacity))
-        self._shadow = self._cast_shadow()
+        self._shadow = Shadows(self._body, self._light) if self._shadows else None
         width, height = self.width, self.height
         view = self._whole(camera)
+        found = [body.seen(camera, width, height) for body, _ in bodies]
         color = self._background(view, camera)
-        label = np.zeros(width * height, np.int32)
-        area = np.zeros((height, width), bool)
-        for body, _ in bodies:
-            area |= self._bounds(body, camera)
-        inside = np.flatnonzero(area)
-        color[inside], label[inside] = self._over(color[inside], view.rays[inside], camera, bodies)
+        label = self._draw(color, view.rays, camera, found, opacity)
         edge = np.flatnonzero(edges(label.reshape(height, width)))
         if len(edge):
-            color[edge] = self._smooth(
-                (edge % width).astype(float) + 0.5,
-                (edge // width).astype(float) + 0.5,
-                camera,
-                bodies,
-            )
+            color[edge] = self._smooth(edge, camera, bodies, opacity)
         return to_bytes(color).reshape(height, width, 3)
 
-    def _smooth(self, x: Array, y: Array, camera: Camera, bodies: list) -> Array:
-        """The mean color of several rays through each pixel (n,)."""
-        many_x = (x[:, None] + _SUBPIXELS[:, 0]).ravel()
-        many_y = (y[:, None] + _SUBPIXELS[:, 1]).ravel()
-        view = self._view(many_x, many_y, camera)
-        color, _ = self._over(self._background(view, camera), view.rays, camera, bodies)
-        return color.reshape(len(x), len(_SUBPIXELS), 3).mean(axis=1)
+    def _smooth(self, edge: np.ndarray, camera: Camera, bodies: list, opacity: float) -> Array:
+        """The mean color of several samples in each of some pixels, shape (n, 3)."""
+        width, height = self.width, self.height
+        wanted = np.zeros(width * height, bool)
+        wanted[edge] = True
+        place = np.zeros(width * height, np.int64)
+        place[edge] = np.arange(len(edge))
+        total = np.zeros((len(edge), 3))
+        for shift in _SAMPLES:
+            x, y = edge % width + 0.5 + shift[0], edge // width + 0.5 + shift[1]
+            view = self._view(x, y, camera)
+            found = []
+            for body, _ in bodies:
+                seen = body.seen(camera, width, height, shift=shift, wanted=wanted)
+                found.append(replace(seen, pixel=place[seen.pixel]))
+            color = self._background(view, camera)
+            self._draw(color, view.rays, camera, found, opacity)
+            total += color
+        return total / len(_SAMPLES)
 
     def _whole(self, camera: Camera) -> _View:
         """The rays of every pixel; kept while the camera only moves and does not turn."""
@@ -173,7 +176,10 @@ class RayCaster:
             + np.abs(place) * np.abs(up @ frame[:, 2])
             + np.abs(up @ frame[:, :2])
         ) * (2.0 * np.tan(0.5 * camera.field_of_view) / self.height * distance)[:, None]
-        return _View(rays, _small(sky), down, _small(distance), _small(place), _small(size))
+        # Under a level camera the ground fills the last rows: a slice costs no copies.
+        level = len(down) > 0 and len(down) == len(rays) - down[0]
+        ground = slice(int(down[0]), len(rays)) if level else down
+        return _View(rays, _small(sky), ground, _small(distance), _small(place), _small(size))
 
     @property
     def _ground_frame(self) -> Array:
@@ -189,7 +195,7 @@ class RayCaster:
     def _background(self, view: _View, camera: Camera) -> Array:
         """Linear colors (n, 3) of the sky and the ground."""
         color, height = view.sky.copy(), self._above_ground(camera)
-        if height <= 0.0 or not len(view.ground):
+        if height <= 0.0 or not len(view.distance):
             return color
         offset = camera.position - self._body.data.geom_xpos[self._plane]
         place = height * view.place + (offset @ self._ground_frame[:, :2]).astype(np.float32)
@@ -199,7 +205,11 @@ class RayCaster:
         dark, bright = (TILES[1] * open_light).astype(np.float32), TILES[0] * open_light
         tile = dark + mix * (bright - dark).astype(np.float32)
         if self._shadow is not None:
-            inside, light = self._shadow.light(place)
+            frame, origin = self._ground_frame, self._body.data.geom_xpos[self._plane]
+            middle, reach = self._shadow.bounds(0.0, frame[:, 2], origin)
+            around = place - ((middle - origin) @ frame[:, :2]).astype(np.float32)
+            inside = np.flatnonzero((np.abs(around) < reach).all(axis=1))
+            light = self._shadow.on_ground(place[inside] @ frame[:, :2].T + origin)
             shaded = lighting(np.broadcast_to(normal, (len(inside), 3)), light, self._light)
             tile[inside] *= shaded / open_light
         fog = np.exp(np.minimum(4.0 - height * view.distance, 0.0) * np.float32(_FOG))[:, None]
@@ -208,79 +218,36 @@ class RayCaster:
         color[view.ground] += tile
         return color
 
-    def _over(
-        self, color: Array, rays: Array, camera: Camera, bodies: list
-    ) -> tuple[Array, np.ndarray[Any, np.dtype[np.int32]]]:
-        """Colors with the bodies drawn over them, and a label that differs where surfaces do."""
+    def _draw(
+        self, color: Array, rays: Array, camera: Camera, found: list[Seen], opacity: float
+    ) -> np.ndarray[Any, np.dtype[np.int32]]:
+        """Draw the body, then its ghost, over `color`; a label that differs where surfaces do."""
         nearest = np.full(len(rays), np.inf)
         height = self._above_ground(camera)
         if height > 0.0:
             fall = -(rays @ self._ground_frame[:, 2])
             nearest = np.where(fall > 1e-6, height / np.maximum(fall, 1e-6), np.inf)
         label = np.zeros(len(rays), np.int32)
-        for number, (body, opacity) in enumerate(bodies):
-            found = body.cast(camera.position, rays)
-            hit = np.flatnonzero((found.geom >= 0) & (found.distance < nearest))
-            if not len(hit):
-                continue
-            normal, geom = found.normal[hit], found.geom[hit]
-            if number == 0:
-                point = camera.position + found.distance[hit, None] * rays[hit]
-                lit = self._lit(point, normal)
-                paint = body.paint[geom] * lighting(normal, lit, self._light)
-                paint += shine(normal, rays[hit], self._light)
-                color[hit] = paint
+        for ghost, seen in enumerate(found):
+            distance = np.linalg.norm(seen.point - camera.position, axis=1)
+            hit = np.flatnonzero(distance < nearest[seen.pixel])
+            at, normal, body = seen.pixel[hit], seen.normal[hit], seen.body[hit]
+            if not ghost:
+                lit = np.ones(len(hit))
+                if self._shadow is not None:
+                    lit = self._shadow.on_body(seen.point[hit], normal)
+                paint = seen.paint[hit] * lighting(normal, lit, self._light)
+                color[at] = paint + shine(normal, rays[at], self._light)
                 # Where the two bodies coincide, the simulated one is seen.
-                nearest[hit] = found.distance[hit] - _GHOST_DEPTH
-                label[hit] = 2 * (body.model.geom_bodyid[geom] + 1) + (lit < 0.5)
+                nearest[at] = distance[hit] - _GHOST_DEPTH
+                label[at] = body + 1
             else:
-                facing = np.abs(np.einsum("ij,ij->i", normal, rays[hit]))
+                facing = np.abs(np.einsum("ij,ij->i", normal, rays[at]))
                 paint = GHOST * lighting(normal, np.ones(len(hit)), self._light)
                 weight = (opacity * (0.85 + 0.6 * (1.0 - facing) ** 2)).clip(0.0, 1.0)[:, None]
-                color[hit] += (paint - color[hit]) * weight
-                label[hit] += 100_000 * (body.model.geom_bodyid[geom] + 1)
-        return color, label
-
-    def _lit(self, points: Array, normals: Array) -> Array:
-        """How much of the lamp reaches points on the body, 0 or 1, shape (n,)."""
-        light = np.ones(len(points))
-        facing = np.flatnonzero(normals @ self._light > 0.0)
-        if not (self._shadows and len(facing)):
-            return light
-        lamp = self._body.centers.mean(axis=0) + LAMP_DISTANCE * self._light
-        rays = points[facing] - lamp
-        distance = np.linalg.norm(rays, axis=1)
-        found = self._body.cast(lamp, rays / distance[:, None])
-        blocked = (found.geom >= 0) & (found.distance < distance - 0.008)
-        # Fade the cast shadow where the surface turns away, which hides its jagged border.
-        slope = np.clip((normals[facing] @ self._light) / 0.25, 0.0, 1.0)
-        light[facing[blocked]] = 1.0 - slope[blocked]
-        return light
-
-    def _bounds(self, body: Shapes, camera: Camera) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Pixels in which a body can be: the boxes around its shapes' bounding spheres."""
-        area = np.zeros((self.height, self.width), bool)
-        if not len(body.geoms):
-            return area
-        at, depth = camera.project(body.centers, self.width, self.height)
-        reach = body.radii + 1e-3
-        near = np.maximum(depth - reach, 0.05)
-        slope = 0.5 * self.height / np.tan(0.5 * camera.field_of_view)
-        # A sphere seen off the axis is stretched outward; 1.25 covers it within 60 degrees.
-        radius = 1.25 * reach * slope / near + 2.0
-        low = np.clip(np.floor(at - radius[:, None]), 0, (self.width, self.height)).astype(int)
-        high = np.clip(np.ceil(at + radius[:, None]), 0, (self.width, self.height)).astype(int)
-        for (x0, y0), (x1, y1), ahead in zip(low, high, depth + reach > 0.0, strict=True):
-            if ahead:
-                area[y0:y1, x0:x1] = True
-        return area
-
-    def _cast_shadow(self) -> ShadowMap | None:
-        """The bodies' shadow on the ground; a ghost casts none."""
-        if not self._shadows or self._plane is None or not len(self._body.geoms):
-            return None
-        origin = self._body.data.geom_xpos[self._plane]
-        return ShadowMap.cast(self._body, self._light, self._ground_frame, origin)
+                color[at] += (paint - color[at]) * weight
+                label[at] += 100_000 * (body + 1)
+        return label
 
 
 def _small(values: Array) -> np.ndarray:
