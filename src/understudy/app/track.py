@@ -6,6 +6,7 @@ import os
 import sys
 import textwrap
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -90,14 +91,15 @@ def run(options: Options) -> Outcome:
     check_body(options)
     jobs = jobs_for(options)
     rows: dict[int, Row] = {}
-    for index, found in each(attempted, jobs, jobs=count):
-        job = jobs[index]
-        row = found or Row(clip=job.clip, name=job.name, error=_DIED, status=1)
-        rows[index] = row
-        if len(jobs) > 1:
-            print(f"[{len(rows)}/{len(jobs)}] {row.name}: {summary(row)}", file=sys.stderr)
-        elif row.error:
-            print(f"understudy track: {row.error}", file=sys.stderr)
+    with closing(each(attempted, jobs, jobs=count)) as finished:
+        for index, found in finished:
+            job = jobs[index]
+            row = found or Row(clip=job.clip, name=job.name, error=_DIED, status=1)
+            rows[index] = row
+            if len(jobs) > 1:
+                print(f"[{len(rows)}/{len(jobs)}] {row.name}: {summary(row)}", file=sys.stderr)
+            elif row.error:
+                print(f"understudy track: {row.error}", file=sys.stderr)
     ordered = [rows[index] for index in range(len(jobs))]
     return Outcome(result=result(ordered), text=text(ordered), status=status(ordered))
 

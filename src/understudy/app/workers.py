@@ -10,9 +10,11 @@ import multiprocessing
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+import threading
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from typing import TypeVar
 
 In = TypeVar("In")
@@ -21,7 +23,7 @@ Out = TypeVar("Out")
 
 def each(
     function: Callable[[In], Out], items: Sequence[In], *, jobs: int
-) -> Iterator[tuple[int, Out | None]]:
+) -> Generator[tuple[int, Out | None]]:
     """Yield (index of the item, its result) in the order they finish; None where a worker died.
 
     With `jobs` > 1 the function must be importable by name and must not raise (most exceptions do
@@ -44,22 +46,36 @@ def each(
 
 def _pooled(
     function: Callable[[In], Out], items: dict[int, In], jobs: int
-) -> Iterator[tuple[int, Out | None]]:
+) -> Generator[tuple[int, Out | None]]:
     # Fresh processes: a fork of one that has started the engine's or the compiler's threads can
     # hang.
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(min(jobs, len(items)), mp_context=context, initializer=_quiet)
     try:
-        futures = {pool.submit(_work, function, item): i for i, item in items.items()}
+        with _deaf():
+            futures = {pool.submit(_work, function, item): i for i, item in items.items()}
         for future in as_completed(futures):
             died = isinstance(future.exception(), BrokenProcessPool)
             yield futures[future], None if died else future.result()
     except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
         for process in multiprocessing.active_children():
             process.terminate()
         raise
-    pool.shutdown()
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Start workers that do not hear Ctrl-C, not even while they import."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _work(function: Callable[[In], Out], item: In) -> Out:
@@ -71,5 +87,14 @@ def _work(function: Callable[[In], Out], item: In) -> Out:
 
 def _quiet() -> None:
     """In a worker: leave Ctrl-C to the parent, and tidy up when it says to end."""
+    from tqdm import tqdm
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    signal.signal(signal.SIGTERM, _end)
+    # By default a bar takes a lock of the whole system, which a worker told to end would leave.
+    tqdm.set_lock(threading.RLock())
+
+
+def _end(*_: object) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough; the rest is tidying up
+    sys.exit(128 + signal.SIGTERM)
