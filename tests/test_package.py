@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import importlib
 import re
 import subprocess
 import sys
@@ -99,10 +98,3 @@ def test_motion_needs_only_numpy_and_scipy():
                 names = [node.module or ""]
             for name in names:
                 assert name.split(".")[0] in allowed, f"{path.name} imports {name}"
-
-
-def test_every_layer_of_the_contract_exists():
-    layers = PROJECT["tool"]["importlinter"]["contracts"][0]["layers"]
-    for layer in layers:
-        for name in layer.split(" | "):
-            assert importlib.import_module(f"understudy.{name}")
