@@ -215,7 +215,8 @@ def _recording(
         size = max(float(np.abs(offsets).max()), 1e-12)
         spread = float(np.linalg.norm(values - middle, axis=1).max())
         # Some exporters list the change against OFFSET instead of the place itself.
-        change = np.linalg.norm(middle) < 0.25 * np.linalg.norm(offsets[j])
+        near = np.linalg.norm(middle) < 0.05 * np.linalg.norm(offsets[j])
+        change = near and spread > 1e-4 * size
         offsets[j] = offsets[j] + middle if change else middle
         if spread > 1e-4 * size:
             notes = [

@@ -1,7 +1,7 @@
 """What a motion file does not say: vertical axis, unit, a T-pose before the motion, a wrong rate.
 
-Nothing here looks at joint names: legs and arms are found as pairs of equal chains, the legs being
-the pair nearest the root. Each finding comes with a sentence for the clip's notes.
+Legs and arms are found without names, as pairs of equal chains, the legs being the pair nearest the
+root. Each finding comes with a sentence for the clip's notes.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ LEG = 0.491
 ADULT = 1.75  # m, assumed where no standard unit gives a plausible person
 PLAUSIBLE = (1.40, 2.10)  # m, standing heights of adults
 POSSIBLE = (0.80, 2.40)  # m, standing heights from a small child on
+# Files on Poser's figure, told by its joints, are near centimeters: the root track of CMU's trial
+# 02_01 is as long as in the other conversions with this unit.
+POSER, POSER_UNIT = {"lButtock", "rButtock"}, 0.01024
 T_POSE_JUMP = np.radians(20.0)
 BLEND = 0.25  # s, how long a conversion blends from its T-pose into the motion
 
@@ -157,7 +160,10 @@ def _rise(legs: Limbs, arms: Limbs | None, positions: Array) -> Array:
     hips = positions[:, legs.root].mean(0)
     rise = hips - feet
     if arms is not None:
-        rise = rise + (positions[:, arms.root].mean(0) - hips)
+        trunk = positions[:, arms.root].mean(0) - hips
+        # A trunk across the legs, as a dog's, says nothing about the vertical.
+        if trunk @ rise > 0.4 * np.linalg.norm(trunk) * np.linalg.norm(rise):
+            rise = rise + trunk
     return rise
 
 
@@ -203,6 +209,8 @@ def unit(shape: Shape, up: str, stated: float | None) -> tuple[float, str]:
     ):
         for name in names:
             if low <= height * UNITS[name] <= high:
+                if name == "cm" and set(shape.skeleton.names) >= POSER:
+                    return POSER_UNIT, f"Unit {POSER_UNIT} m: CMU's motion on Poser's figure."
                 tall = height * UNITS[name]
                 return UNITS[name], (
                     f"Unit {UNITS[name]:.6g} m ({name}): the legs fit a person of {tall:.2f} m."
@@ -247,7 +255,7 @@ def first_motion_frame(recording: Recording, rate: float, t_pose: str) -> tuple[
     after = steps[blend:]
     if frames > 3 * blend and blend >= 4 and len(after) >= blend:
         # A blend shows as steps that start far above the motion's own and die away.
-        start = steps[1 : 1 + max(2, blend // 10)]
+        start = steps[1:3]
         fast = max(np.radians(8.0), 2.5 * float(np.percentile(after, 90)))
         if start.min() > fast:
             return blend, (
