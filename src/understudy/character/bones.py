@@ -129,7 +129,7 @@ def _extent(clip: Clip) -> float:
 
 
 def _kept(clip: Clip, mapping: Mapping) -> list[int]:
-    """Joints that become links, in the skeleton's order."""
+    """Joints that become links, every branch before the next."""
     skeleton, pose = clip.skeleton, clip.forward_kinematics()
     out: set[int] = set(range(len(skeleton)))
     gone = {skeleton.index(n) for n in mapping.drop}
@@ -153,7 +153,16 @@ def _kept(clip: Clip, mapping: Mapping) -> list[int]:
     if not out:
         raise InvalidValue(f"{clip.name}: the mapping leaves no joint to make a link of.")
     out.add(0)
-    return sorted(out)
+    return [joint for joint in _depth_first(clip, 0) if joint in out]
+
+
+def _depth_first(clip: Clip, joint: int) -> list[int]:
+    """A joint and all outboard of it, in the order in which MuJoCo numbers bodies."""
+    order, stack = [], [joint]
+    while stack:
+        order.append(stack.pop())
+        stack.extend(reversed(clip.skeleton.children(order[-1])))
+    return order
 
 
 def _capsules(tips: list[Array], extent: float) -> tuple[Shape, ...]:

@@ -11,8 +11,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-# Kinds of joint each word may name, best first. A kind is a role without its side; "collar" and
-# "finger" are none, and say so.
+# Kinds of joint each word may name, best first. A kind is a role without its side; "collar", "hand"
+# (a wrist, unless another joint is called that) and "finger" are none, and say so.
 WORDS: dict[str, tuple[str, ...]] = {
     "hips": ("pelvis",),
     "pelvis": ("pelvis",),
@@ -59,7 +59,7 @@ WORDS: dict[str, tuple[str, ...]] = {
     "radius": ("elbow",),
     "ulna": ("elbow",),
     "wrist": ("wrist",),
-    "hand": ("wrist",),
+    "hand": ("hand", "wrist"),
     "lowerback": ("spine",),
     "upperback": ("spine",),
     "spine": ("spine",),
