@@ -193,7 +193,9 @@ class GLRenderer:
             mine = shape.objtype == mujoco.mjtObj.mjOBJ_GEOM and np.isin(
                 self._model.geom_bodyid[shape.objid], self._ghost_bodies
             )
-            shape.rgba[:] = (*_GHOST, opacity if mine else 0.0)
+            # A nearly solid ghost is drawn solid: OpenGL would show its inside.
+            solid = 1.0 if opacity > 0.7 else opacity
+            shape.rgba[:] = (*_GHOST, solid if mine else 0.0)
             shape.category = mujoco.mjtCatBit.mjCAT_DECOR  # casts no shadow
 
     def _flatten(self, camera: Camera) -> None:
