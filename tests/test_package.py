@@ -98,3 +98,18 @@ def test_motion_needs_only_numpy_and_scipy():
                 names = [node.module or ""]
             for name in names:
                 assert name.split(".")[0] in allowed, f"{path.name} imports {name}"
+
+
+def test_the_readme_script_runs_as_it_stands(tmp_path):
+    (script,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    us.write(us.sample("walk").trimmed(0.0, 1.0), tmp_path / "walk.bvh")
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", script],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "joint error" in done.stdout
+    assert {"walk_sim.bvh", "walk.glb", "walk.html"} <= {p.name for p in tmp_path.iterdir()}
