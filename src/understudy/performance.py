@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from understudy.character import Character, retargeted
-from understudy.character.soles import standing
+from understudy.character.soles import planted, standing
 from understudy.control import Controller, Tracking
 from understudy.errors import InvalidValue
 from understudy.motion.clip import Clip
@@ -74,7 +74,7 @@ def tracked(
         settings: Passed on to `Tracking`: law, stiffness, torque_limits, ...
     """
     clean = clip.repaired()
-    reference = standing(retargeted(clean, character), character)
+    reference = planted(standing(retargeted(clean, character), character), character)
     feet = any((link.role or "").endswith("_ankle") for link in character.links)
     if ground is None and feet:
         ground = Ground()

@@ -11,7 +11,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d, median_filter
+from scipy.integrate import cumulative_trapezoid
+from scipy.interpolate import PchipInterpolator
+from scipy.ndimage import (
+    binary_closing,
+    binary_opening,
+    gaussian_filter1d,
+    label,
+    maximum_filter1d,
+    median_filter,
+)
 
 from understudy.character.body import Character
 from understudy.motion import rotations as rot
@@ -23,6 +32,10 @@ SLOW = 0.35  # A point in stance moves slower than this [m/s].
 LOW = 0.12  # And lies lower than this over the floor [m].
 MOST = 0.03  # Most a point moves in one round [m].
 ROUNDS = 3
+MOST_SHIFT = 0.1  # A foot further off than this is not there by accident [m].
+PLANTED_HEIGHT = 0.03  # A sole point in stance is lower than this [m]
+PLANTED_SPEED = 0.7  # and slides no faster [m/s].
+PLANT_SMOOTHING = 0.04  # [s].
 
 
 def fitted_soles(clip: Clip, character: Character) -> Character:
@@ -81,6 +94,112 @@ def standing(clip: Clip, character: Character, *, shifts: Array | None = None) -
     return _lowered(clip, floor)
 
 
+def planted(clip: Clip, character: Character) -> Clip:
+    """The clip with feet that neither sink into the floor nor slide along it.
+
+    A captured foot has no sole: pushing off, it turns its toes some centimeters into the floor, and
+    in stance it drifts by how far the skeleton is off the actor's. A simulated one would trip and
+    stick. The ankle is moved so that the foot's lowest point stays above z = 0 and, while it is
+    low and slow, where it is; between stances the correction blends over. Hip and knee follow in
+    the leg's own plane and the foot keeps its orientation. A note says how far.
+
+    Args:
+        clip: On the character's own skeleton, standing on z = 0.
+        character: The body.
+    """
+    local, most = np.array(clip.rotations), 0.0
+    joints = [link.joint for link in character.links]
+    for side in ("left", "right"):
+        leg = [f"{side}_{joint}" for joint in ("hip", "knee", "ankle")]
+        places = [
+            place
+            for place, link in zip(*_sole_paths(clip, character), strict=True)
+            if joints[link].startswith(side)
+        ]
+        if not places or any(name not in joints for name in leg) or clip.frames < 5:
+            continue
+        shift = _planting(np.stack(places, axis=1), clip.rate)
+        if np.abs(shift).max() < 0.001:
+            continue
+        _move_ankle(clip, [joints.index(name) for name in leg], shift, local)
+        most = max(most, float(np.linalg.norm(shift, axis=1).max()))
+    if most == 0.0:
+        return clip
+    note = f"Planted the feet on the floor: ankles moved by up to {1000 * most:.0f} mm."
+    return replace(clip, rotations=local, notes=(*clip.notes, note))
+
+
+def _planting(places: Array, rate: float) -> Array:
+    """How to move a foot [m], shape (frames, 3), from the paths of its sole points.
+
+    `places` has shape (frames, points, 3), the lowest point of each sphere.
+    """
+    frames = np.arange(len(places))
+    lowest = places[..., 2].argmin(axis=1)
+    height = places[frames, lowest, 2]
+    velocity = derivative(places[..., :2], rate, smoothing=0.075)[frames, lowest]
+    stance = (height < PLANTED_HEIGHT) & (np.linalg.norm(velocity, axis=1) < PLANTED_SPEED)
+    stance = binary_closing(np.pad(stance, 3, mode="edge"), iterations=3)[3:-3]
+    stance = binary_opening(np.pad(stance, 9, mode="edge"), iterations=max(1, round(0.03 * rate)))
+    spans, count = label(stance[9:-9])
+    shift = np.zeros((len(places), 3))
+    for span in (spans == k for k in range(1, count + 1)):
+        # Undo the velocity of the point that bears; on average over the stance the foot stays put.
+        path = -cumulative_trapezoid(velocity[span], dx=1.0 / rate, axis=0, initial=0.0)
+        shift[span, :2] = path - path.mean(axis=0)
+        shift[span, 2] = -height[span]
+    shift = _blended(np.clip(shift, -MOST_SHIFT, MOST_SHIFT), spans > 0)
+    shift = gaussian_filter1d(shift, 0.5 * PLANT_SMOOTHING * rate, axis=0, mode="nearest")
+    # What still sinks is lifted by the greatest depth nearby, smoothed: no corner in the path.
+    depth = np.clip(-(places[..., 2].min(axis=1) + shift[:, 2]), 0.0, MOST_SHIFT)
+    rise = maximum_filter1d(depth, 2 * round(PLANT_SMOOTHING * rate) + 1, mode="nearest")
+    shift[:, 2] += gaussian_filter1d(rise, 0.5 * PLANT_SMOOTHING * rate, mode="nearest")
+    return shift
+
+
+def _blended(shift: Array, stance: np.ndarray) -> Array:
+    """The shift in stance, and monotone curves between stances; 0 at the ends of the clip."""
+    keep = stance.copy()
+    keep[[0, -1]] = True
+    knots = np.flatnonzero(keep)
+    return PchipInterpolator(knots, shift[knots], axis=0)(np.arange(len(shift)))
+
+
+def _move_ankle(clip: Clip, leg: list[int], shift: Array, local: Array) -> None:
+    """Change hip, knee and ankle rotations in `local` so that the ankle is moved by `shift` [m]."""
+    hip, knee, ankle = leg
+    pose = clip.forward_kinematics()
+    place, turned = pose.positions, pose.rotations
+    inboard = turned[:, clip.skeleton.parents[hip]]
+    thigh, shank = place[:, knee] - place[:, hip], place[:, ankle] - place[:, knee]
+    wanted = place[:, ankle] + shift - place[:, hip]
+    a, b = np.linalg.norm(thigh, axis=1), np.linalg.norm(shank, axis=1)
+    now = np.linalg.norm(place[:, ankle] - place[:, hip], axis=1)
+    # A leg does not stretch: at most as straight as it is, or all but straight.
+    longest = np.maximum(now, 0.998 * (a + b))
+    reach = np.clip(np.linalg.norm(wanted, axis=1), np.abs(a - b) + 1e-6, longest)
+
+    def bend(distance: Array) -> Array:
+        """Angle between thigh and shank [rad] at a distance of hip and ankle."""
+        return np.arccos(np.clip((distance**2 - a**2 - b**2) / (2.0 * a * b), -1.0, 1.0))
+
+    # The axis of the knee; where the leg is straight, the thigh's own lateral axis.
+    normal = np.cross(thigh, shank)
+    lateral = rot.rotate(turned[:, hip], np.array([0.0, 1.0, 0.0]))
+    lateral -= thigh * (np.sum(lateral * thigh, axis=1) / a**2)[:, None]
+    blend = np.clip(np.linalg.norm(normal, axis=1) / (0.05 * a * b), 0.0, 1.0)[:, None]
+    size = np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
+    axis = blend * normal / size + (1.0 - blend) * lateral
+    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    fold = rot.from_rotvec(axis * (bend(reach) - bend(now))[:, None])
+    swing = rot.shortest_arc(thigh + rot.rotate(fold, shank), wanted)
+    thigh_turned = rot.multiply(swing, turned[:, hip])
+    shank_turned = rot.multiply(swing, rot.multiply(fold, turned[:, knee]))
+    local[:, hip] = rot.multiply(rot.conjugate(inboard), thigh_turned)
+    local[:, knee] = rot.multiply(rot.conjugate(thigh_turned), shank_turned)
+    local[:, ankle] = rot.multiply(rot.conjugate(shank_turned), turned[:, ankle])
+
+
 def sole_points(character: Character) -> list[tuple[int, Array, float]]:
     """Link, center in the link frame [m] and radius [m] of every contact sphere of the feet."""
     return [
@@ -99,6 +218,19 @@ def sole_heights(clip: Clip, character: Character) -> Array:
 
 def _is_foot(joint: str) -> bool:
     return joint.endswith(("_ankle", "_ball"))
+
+
+def _sole_paths(clip: Clip, character: Character) -> tuple[list[Array], list[int]]:
+    """World path of the lowest point of every sole sphere [m], (frames, 3), and its link."""
+    pose = clip.forward_kinematics()
+    points = sole_points(character)
+    paths = [
+        pose.positions[:, link]
+        + rot.rotate(pose.rotations[:, link], center)
+        - np.array([0.0, 0.0, radius])
+        for link, center, radius in points
+    ]
+    return paths, [link for link, _, _ in points]
 
 
 def _sole_motion(

@@ -9,6 +9,7 @@ motion would need from above.
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 
 import mujoco
@@ -18,11 +19,12 @@ from scipy.signal import savgol_filter
 
 from understudy.control.reference import sampled
 from understudy.motion.clip import Clip
+from understudy.motion.edits import derivative
 from understudy.motion.rotations import Array
 from understudy.scene import Part, Scene
 
 NEAR_GROUND = 0.02  # A sole point this high [m] or higher bears nothing.
-SMOOTHING = 0.16  # Window of the derivative filter [s].
+SMOOTHING = 0.08  # Window of the derivative filter [s].
 
 
 @dataclass(frozen=True)
@@ -42,22 +44,13 @@ class Required:
     ground: Array
 
 
-def accelerations(clip: Clip, velocities: Array) -> Array:
-    """Smoothed time derivative of engine velocities, shape (frames, dofs)."""
-    window = max(3, 2 * round(0.5 * SMOOTHING * clip.rate) + 1)
-    window = min(window, clip.frames - (clip.frames + 1) % 2)
-    if window < 3:
-        return np.zeros_like(velocities)
-    return savgol_filter(velocities, window, 2, deriv=1, delta=1.0 / clip.rate, axis=0)
+def contact_points(model: mujoco.MjModel, part: Part) -> list[tuple[int, Array, float]]:
+    """Body, local position [m] and radius [m] of what can touch the ground first in every geom.
 
-
-def sole_points(model: mujoco.MjModel, part: Part) -> list[tuple[int, Array]]:
-    """Body and local position [m] of the lowest points of every geom of a part that can touch.
-
-    A sphere gives its bottom in the neutral pose, a capsule the bottoms of its two ends, a box its
-    eight corners, anything else the corners of its bounding box.
+    A sphere's center, a capsule's two ends, a box's eight corners (radius 0), and for anything else
+    the corners of its bounding box. The lowest point of each lies its radius below.
     """
-    points: list[tuple[int, Array]] = []
+    points: list[tuple[int, Array, float]] = []
     for geom in range(model.ngeom):
         body = int(model.geom_bodyid[geom])
         touches = model.geom_contype[geom] & 1 or model.geom_conaffinity[geom] & 1
@@ -67,18 +60,16 @@ def sole_points(model: mujoco.MjModel, part: Part) -> list[tuple[int, Array]]:
         turn = np.zeros(9)
         mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
         turn = turn.reshape(3, 3)
-        center = model.geom_pos[geom]
+        center = np.array(model.geom_pos[geom])
         if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
-            points.append((body, center - [0.0, 0.0, size[0]]))
+            points.append((body, center, float(size[0])))
         elif kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
-            points += [
-                (body, center + sign * size[1] * turn[:, 2] - [0.0, 0.0, size[0]])
-                for sign in (-1.0, 1.0)
-            ]
+            ends = (center - size[1] * turn[:, 2], center + size[1] * turn[:, 2])
+            points += [(body, end, float(size[0])) for end in ends]
         else:
             half = size if kind == mujoco.mjtGeom.mjGEOM_BOX else model.geom_aabb[geom][3:]
             corners = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T * half
-            points += [(body, center + turn @ corner) for corner in corners]
+            points += [(body, center + turn @ corner, 0.0) for corner in corners]
     return points
 
 
@@ -97,11 +88,11 @@ def required(
     part = scene.parts[character]
     reference = sampled(clip, clip.times)
     velocities = reference.qvel()
-    changes = accelerations(clip, velocities)
+    changes = derivative(velocities, clip.rate, smoothing=SMOOTHING)
     positions = reference.qpos()
     quiet = _quiet_copy(model)
     data = mujoco.MjData(quiet)
-    points = sole_points(model, part) if contact and scene.ground is not None else []
+    points = contact_points(model, part) if contact and scene.ground is not None else []
     friction = scene.ground.friction if scene.ground is not None else 0.0
     edges = np.array(
         [[friction, 0, 1], [-friction, 0, 1], [0, friction, 1], [0, -friction, 1]], float
@@ -115,10 +106,12 @@ def required(
         mujoco.mj_inverse(quiet, data)
         force[f] = data.qfrc_inverse[part.dofs]
         columns = []
-        for body, local in points:
+        for body, local, radius in points:
             world = data.xpos[body] + data.xmat[body].reshape(3, 3) @ local
-            weight = np.clip(2.0 - 2.0 * world[2] / NEAR_GROUND, 0.05, 1.0)
+            world[2] -= radius
             if world[2] < NEAR_GROUND:
+                # A point half way up may bear all of it, one at the limit almost nothing.
+                weight = np.clip(2.0 - 2.0 * world[2] / NEAR_GROUND, 0.05, 1.0)
                 mujoco.mj_jac(quiet, data, jacobian, None, world, body)
                 columns.append(weight * edges @ jacobian[:, part.dofs])
         if columns:
@@ -137,8 +130,6 @@ def required(
 
 def _quiet_copy(model: mujoco.MjModel) -> mujoco.MjModel:
     """The model without contact, limits and servos: its inverse dynamics is the motion's alone."""
-    import copy
-
     quiet = copy.copy(model)
     flags = mujoco.mjtDisableBit
     quiet.opt.disableflags |= int(

@@ -14,9 +14,12 @@ import numpy as np
 from understudy.motion.rotations import Array
 from understudy.scene import Part, Scene
 
-# What standing needs [N m/rad] for 70 kg and 1.75 m: an ankle must exceed m g h of the body above
-# it, 600 to 700 N m/rad (Loram & Lakie 2002 measure 91 % of it in quiet standing).
-STANCE_STIFFNESS = {"hip": 800.0, "knee": 800.0, "ankle": 600.0, "ball": 60.0}
+# Least stiffness of a leg over ground [N m/rad] for 70 kg and 1.75 m. An ankle must exceed m g h of
+# the body above it, 600 to 700 N m/rad, or the body topples over it (Loram & Lakie 2002 measure
+# 91 % of it in quiet standing); twice that keeps stance legs within 2 degrees of a captured walk.
+STANCE_STIFFNESS = {"hip": 1600.0, "knee": 1600.0, "ankle": 1200.0, "ball": 120.0}
+# Damping over stiffness of those legs [s]. A foot is light: more makes a landing foot a hammer.
+STANCE_DAMPING_TIME = 0.01
 STANCE_REFERENCE = 70.0 * 9.81 * 1.75
 
 
@@ -41,13 +44,18 @@ def joint_stiffness(scene: Scene, model: mujoco.MjModel, character: int, stiffne
     """
     part, body = scene.parts[character], scene.characters[character]
     gains = stiffness * outboard_inertia(model, part)[1:]
-    if scene.ground is not None:
-        load = body.mass * abs(scene.gravity) * body.height / STANCE_REFERENCE
-        for i, link in enumerate(body.links[1:]):
-            joint = (link.role or "").partition("_")[2]
-            if joint in STANCE_STIFFNESS:
-                gains[i] = max(gains[i], load * STANCE_STIFFNESS[joint])
-    return gains
+    load = body.mass * abs(scene.gravity) * body.height / STANCE_REFERENCE
+    least = [STANCE_STIFFNESS.get(joint, 0.0) * load for joint in stance_joints(scene, character)]
+    return np.maximum(gains, least)
+
+
+def stance_joints(scene: Scene, character: int) -> list[str]:
+    """For every joint but the root "hip", "knee", "ankle" or "ball" if it stands, else ""."""
+    links = scene.characters[character].links[1:]
+    if scene.ground is None:
+        return [""] * len(links)
+    kinds = [(link.role or "").partition("_")[2] for link in links]
+    return [kind if kind in STANCE_STIFFNESS else "" for kind in kinds]
 
 
 def set_orientation_gain(model: mujoco.MjModel, actuator: int, k: float, kd: float) -> None:

@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
-from understudy.errors import InvalidValue
+from understudy.motion import edits
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
+from understudy.motion.edits import Method
 from understudy.motion.rotations import Array
-
-INTERPOLATIONS = ("spline", "slerp")
 
 
 @dataclass(frozen=True)
@@ -43,76 +43,33 @@ class Sampled:
         return np.concatenate((self.velocities, self.rates.reshape(len(self.positions), -1)), 1)
 
 
-def frame_velocities(clip: Clip) -> tuple[Array, Array]:
-    """Central differences at the clip's frames.
+def sampled(clip: Clip, times: Array, *, interpolation: Method = "spline") -> Sampled:
+    """The clip and its velocities at `times` [s]; before its start and after its end it rests.
 
-    Returns:
-        Root velocity [m/s], world, (frames, 3), and joint rates in the joint's own frame [rad/s],
-        (frames, joints, 3).
-    """
-    if clip.frames < 2:
-        return np.zeros((clip.frames, 3)), np.zeros((*clip.rotations.shape[:2], 3))
-    step = np.diff(clip.root_positions, axis=0) * clip.rate
-    linear = np.concatenate((step[:1], 0.5 * (step[1:] + step[:-1]), step[-1:]))
-    turned = clip.rotations
-    forward = rot.to_rotvec(rot.multiply(rot.conjugate(turned[:-1]), turned[1:])) * clip.rate
-    angular = np.concatenate((forward[:1], 0.5 * (forward[1:] + forward[:-1]), forward[-1:]))
-    return linear, angular
-
-
-def sampled(clip: Clip, times: Array, *, interpolation: str = "spline") -> Sampled:
-    """The clip at `times` [s]; before its start and after its end it holds still.
-
-    `spline` is a cubic Hermite curve in the tangent space of each frame (continuous velocity);
-    `slerp` turns at a constant rate from frame to frame.
+    `spline` is twice continuously differentiable and its velocities are the spline's own
+    derivatives; `slerp` turns at a constant rate from frame to frame. See
+    `understudy.motion.edits.sampled`.
 
     Raises:
         InvalidValue: Another interpolation is named.
     """
-    if interpolation not in INTERPOLATIONS:
-        raise InvalidValue(
-            f"interpolation is {interpolation!r}; it must be one of {INTERPOLATIONS}."
-        )
-    times = np.asarray(times, float)
+    rotations, positions = edits.sampled(clip, times, method=interpolation)
+    velocities, rates = np.zeros((len(times), 3)), np.zeros((*rotations.shape[:2], 3))
+    moving = (times >= 0.0) & (times <= clip.duration + 1e-9)
+    frame = np.clip(times[moving] * clip.rate, 0.0, clip.frames - 1)
     if clip.frames < 2:
-        n, joints = len(times), len(clip.skeleton)
-        return Sampled(
-            np.repeat(clip.root_positions, n, axis=0),
-            np.zeros((n, 3)),
-            np.repeat(clip.rotations, n, axis=0),
-            np.zeros((n, joints, 3)),
-        )
-    inside = (times >= 0.0) & (times <= clip.duration + 1e-9)
-    frame = np.clip(times * clip.rate, 0.0, clip.frames - 1)
-    k = np.minimum(frame.astype(int), clip.frames - 2)
-    s = frame - k
-    h = 1.0 / clip.rate
-    turned, path = clip.rotations, clip.root_positions
-    relative = rot.to_rotvec(rot.multiply(rot.conjugate(turned[:-1]), turned[1:]))
-    if interpolation == "slerp":
-        linear = np.diff(path, axis=0) / h
-        w = s[:, None]
-        tangent, rates = relative[k] * w[..., None], relative[k] / h
-        positions, velocities = path[k] + linear[k] * (w * h), linear[k]
+        return Sampled(positions, velocities, rotations, rates)
+    if interpolation == "slerp" or clip.frames == 2:
+        k = np.minimum(frame.astype(int), clip.frames - 2)
+        step = rot.multiply(rot.conjugate(clip.rotations[:-1]), clip.rotations[1:])
+        velocities[moving] = np.diff(clip.root_positions, axis=0)[k] * clip.rate
+        rates[moving] = rot.to_rotvec(step)[k] * clip.rate
     else:
-        linear, angular = frame_velocities(clip)
-        h10, h01, h11 = s * (1 - s) ** 2, s * s * (3 - 2 * s), s * s * (s - 1)
-        d10, d01, d11 = 1 - 4 * s + 3 * s * s, 6 * s * (1 - s), s * (3 * s - 2)
-
-        def blend(start: Array, change: Array, end: Array, a: Array, b: Array, c: Array) -> Array:
-            shape = (-1,) + (1,) * (start.ndim - 1)
-            return (
-                a.reshape(shape) * h * start
-                + b.reshape(shape) * change
-                + c.reshape(shape) * h * end
-            )
-
-        change = np.diff(path, axis=0)[k]
-        positions = path[k] + blend(linear[k], change, linear[k + 1], h10, h01, h11)
-        velocities = blend(linear[k], change, linear[k + 1], d10, d01, d11) / h
-        tangent = blend(angular[k], relative[k], angular[k + 1], h10, h01, h11)
-        rates = blend(angular[k], relative[k], angular[k + 1], d10, d01, d11) / h
-    rotations = rot.multiply(turned[k], rot.from_rotvec(tangent))
-    still = ~inside
-    velocities[still], rates[still] = 0.0, 0.0
+        grid = np.arange(clip.frames, dtype=float)
+        velocities[moving] = CubicSpline(grid, clip.root_positions)(frame, 1) * clip.rate
+        curve = CubicSpline(grid, clip.rotations)
+        q, dq = curve(frame), curve(frame, 1) * clip.rate
+        # omega = 2 q^-1 dq/dt; dividing by |q|^2 makes up for the spline's leaving the unit sphere.
+        inverse = rot.conjugate(q) / np.sum(q * q, axis=-1, keepdims=True)
+        rates[moving] = 2.0 * rot.multiply(inverse, dq)[..., 1:]
     return Sampled(positions, velocities, rotations, rates)

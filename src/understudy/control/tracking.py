@@ -27,6 +27,7 @@ from understudy.control.reference import Sampled, sampled
 from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
+from understudy.motion.edits import Method
 from understudy.motion.rotations import Array
 from understudy.scene import Scene
 
@@ -37,9 +38,13 @@ TORQUE_LIMITS = ("off", "human")
 
 # Zordan & Hodgins 1999, section 3: "Damping gains are one-tenth of the corresponding stiffness".
 PAPER_DAMPING_TIME = 0.1
-# Natural frequency of the root servo [rad/s]: a led pelvis follows its path closely; an assisted
-# one gives way, so that the feet carry what they can.
-ROOT_FREQUENCY = {"led": 50.0, "assisted": 12.0, "free": 0.0}
+# Natural frequencies of the root servo [rad/s], along the ground, upward, and in rotation: a led
+# pelvis follows its path closely; an assisted one gives way, so that the feet carry the body.
+ROOT_FREQUENCY = {
+    "led": (50.0, 50.0, 50.0),
+    "assisted": (15.0, 8.0, 50.0),
+    "free": (0.0, 0.0, 0.0),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,12 +56,13 @@ class Tracking:
         character: Which of the scene's characters.
         law: "modern" or "paper".
         stiffness: Overall stiffness [1/s^2]; a joint's gain is this times its outboard inertia.
-        damping_time: kd / k [s]; by default 0.1 for the paper's law, critical damping
-            2 / sqrt(stiffness) for the modern one.
+        damping_time: kd / k [s]; by default 0.1 for the paper's law, and critical damping
+            2 / sqrt(stiffness) for the modern one (stance legs: at most 0.01).
         feedforward: "inverse_dynamics" or "none"; the paper's law uses none.
         pelvis: "led" along its path by a stiff servo, "assisted" by a soft one that leaves to the
             feet what they can carry, or "free": nothing holds it.
-        root_frequency: Natural frequency of the root servo [rad/s]; by default by `pelvis`.
+        root_frequency: Natural frequencies of the root servo [rad/s], along the ground, upward and
+            in rotation; by default by `pelvis`.
         torque_limits: "off", or "human": no joint's servo exceeds the published strength of a
             person of this sex, mass and height.
         interpolation: "spline" or "slerp" between frames.
@@ -70,9 +76,9 @@ class Tracking:
     damping_time: float | None = None
     feedforward: str | None = None
     pelvis: str = "assisted"
-    root_frequency: float | None = None
+    root_frequency: tuple[float, float, float] | None = None
     torque_limits: str = "off"
-    interpolation: str = "spline"
+    interpolation: Method = "spline"
     captured: Clip | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -89,10 +95,14 @@ class Tracking:
             raise InvalidValue(f"stiffness is {self.stiffness} /s^2; it must lie in 0 to 1e7.")
         if self.law == "paper" and self.feedforward == "inverse_dynamics":
             raise InvalidValue("The paper's law has no feedforward; use law='modern'.")
-        for name in ("damping_time", "root_frequency"):
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and 0 <= value <= 1e4):
-                raise InvalidValue(f"{name} is {value}; it must be zero or positive.")
+        if self.damping_time is not None and not 0 <= self.damping_time <= 10:
+            raise InvalidValue(f"damping_time is {self.damping_time} s; it must lie in 0 to 10.")
+        if self.root_frequency is not None and not (
+            len(self.root_frequency) == 3 and all(0 <= w <= 1e3 for w in self.root_frequency)
+        ):
+            raise InvalidValue(
+                f"root_frequency is {self.root_frequency}; it must be three numbers in 0 to 1000."
+            )
 
     @property
     def kd_over_k(self) -> float:
@@ -133,18 +143,24 @@ class Tracking:
                 f"{body.name!r}; retarget it first."
             )
         stiffness = gains.joint_stiffness(scene, model, self.character, self.stiffness)
-        for k, actuator, link in zip(stiffness, part.joint_actuators, body.links[1:], strict=True):
-            gains.set_orientation_gain(model, actuator, k, k * self.kd_over_k)
+        stance = gains.stance_joints(scene, self.character)
+        for k, actuator, link, stands in zip(
+            stiffness, part.joint_actuators, body.links[1:], stance, strict=True
+        ):
+            damping_time = self.kd_over_k
+            if stands and self.law == "modern" and self.damping_time is None:
+                damping_time = min(damping_time, gains.STANCE_DAMPING_TIME)
+            gains.set_orientation_gain(model, actuator, k, k * damping_time)
             if self.torque_limits == "human" and link.torque_limit is not None:
                 # The engine bounds the length of the torque vector: the strongest axis' limit.
                 model.actuator_forcelimited[actuator] = True
                 model.actuator_forcerange[actuator] = 0.0, float(np.max(link.torque_limit))
         mass, inertia = self._root_inertia(scene, model)
-        w = self._root_frequency
-        for actuator in part.root_actuators[:3]:
+        along, up, turn = self._root_frequency
+        for actuator, w in zip(part.root_actuators[:3], (along, along, up), strict=True):
             gains.set_position_gain(model, actuator, mass * w * w, 2.0 * mass * w)
         gains.set_orientation_gain(
-            model, part.root_actuators[3], inertia * w * w, 2.0 * inertia * w
+            model, part.root_actuators[3], inertia * turn * turn, 2.0 * inertia * turn
         )
 
     def start(self, scene: Scene, data: mujoco.MjData) -> None:
@@ -163,7 +179,8 @@ class Tracking:
         k = model.actuator_gainprm[actuators, 0]
         ahead = np.zeros((len(times), len(actuators), 3))
         if self.law == "modern":
-            ahead += self.kd_over_k * reference.rates[:, 1:]
+            damping_time = -model.actuator_biasprm[actuators, 2] / k
+            ahead += damping_time[:, None] * reference.rates[:, 1:]
         if self._feedforward == "inverse_dynamics":
             need = self.need(scene, model)
             ahead += _at(times, self.reference, need.joints) / k[None, :, None]
@@ -190,7 +207,7 @@ class Tracking:
         return {}
 
     @property
-    def _root_frequency(self) -> float:
+    def _root_frequency(self) -> tuple[float, float, float]:
         given = self.root_frequency
         return ROOT_FREQUENCY[self.pelvis] if given is None else given
 
@@ -205,14 +222,16 @@ class Tracking:
         part = scene.parts[self.character]
         address = list(part.root_controls)
         positions, ahead = reference.positions.copy(), np.zeros((len(times), 3))
-        if self.pelvis != "free" and self._root_frequency > 0:
-            ahead += reference.rates[:, 0] * (2.0 / self._root_frequency)
-            if self._feedforward == "inverse_dynamics" and self.pelvis == "led":
-                force = _at(times, self.reference, self.need(scene, model).root)
-                mass, inertia = self._root_inertia(scene, model)
-                w2 = self._root_frequency**2
-                positions += force[:, :3] / (mass * w2)
-                ahead += force[:, 3:] / (inertia * w2)
+        along, up, turn = self._root_frequency
+        if turn > 0:
+            ahead += reference.rates[:, 0] * (2.0 / turn)
+        if self._feedforward == "inverse_dynamics" and self.pelvis == "led":
+            force = _at(times, self.reference, self.need(scene, model).root)
+            mass, inertia = self._root_inertia(scene, model)
+            stiffness = mass * np.array([along, along, up]) ** 2
+            if turn > 0 and (stiffness > 0).all():
+                positions += force[:, :3] / stiffness
+                ahead += force[:, 3:] / (inertia * turn**2)
         ctrl[:, address[0:6:2]] = positions
         ctrl[:, address[1:6:2]] = reference.velocities
         ctrl[:, address[6:]] = rot.multiply(

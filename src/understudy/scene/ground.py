@@ -16,11 +16,12 @@ class Ground:
 
     Attributes:
         friction: Coulomb coefficient between sole and ground.
-        stiffness_time: Time constant of the contact [s]; the engine needs at least two steps.
+        stiffness_time: Time constant of the contact [s]; the engine takes no less than two steps.
+            Soles sink about 1 mm under an adult at 0.006 and 8 mm at 0.02.
     """
 
     friction: float = 1.0
-    stiffness_time: float = 0.01
+    stiffness_time: float = 0.006
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.friction) and self.friction >= 0):
