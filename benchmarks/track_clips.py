@@ -64,7 +64,18 @@ def median(rows: list[dict]) -> dict:
     return out
 
 
-KEYS: tuple[str, ...] = ()
+KEYS = (
+    "joint_error_deg",
+    "joint_error_median_deg",
+    "hands_mm",
+    "feet_mm",
+    "root_position_mm",
+    "lag_ms",
+    "root_force_mean_percent",
+    "foot_slide_by_height_mm_s",
+    "clip_foot_slide_mm_s",
+    "penetration_mm",
+)
 
 
 if __name__ == "__main__":

@@ -161,11 +161,12 @@ def tune(
         return [known[float(f"{v:.6g}")].cost for v in values]
 
     with tqdm(desc="tune", unit="run", delay=2.0, disable=not progress, leave=False) as bar:
-        evaluate(list(np.geomspace(low, high, survey)))
-        finite = [t for t in known.values() if np.isfinite(t.cost)]
-        if not finite:
+        grid = list(np.geomspace(low, high, survey))
+        costs = evaluate(grid)
+        if not np.isfinite(costs).any():
             raise UnderstudyError("Every trial diverged; lower the bounds or the time step.")
-        start = np.log(min(finite, key=lambda t: t.cost).stiffness)
+        # From the survey alone, not from later trials: a resumed search then takes the same steps.
+        start = np.log(grid[int(np.argmin(costs))])
         h = 0.05
 
         def cost_and_slope(x: Array) -> tuple[float, Array]:
