@@ -30,6 +30,7 @@ class Seen:
     Attributes:
         pixel: Number of the pixel, row by row, shape (n,).
         body: Body number, shape (n,).
+        part: Number of the surface, which has one color, shape (n,).
         point: Where the surface is [m], shape (n, 3).
         normal: Unit normal there, shape (n, 3).
         paint: Linear color, shape (n, 3).
@@ -37,6 +38,7 @@ class Seen:
 
     pixel: np.ndarray
     body: np.ndarray
+    part: np.ndarray
     point: Array
     normal: Array
     paint: Array
@@ -59,6 +61,7 @@ class Shapes:
         colors = np.array([s.color[:3] for s in chosen]).reshape(-1, 3)
         self.paint = np.repeat(linear(colors), sizes, axis=0)
         self.body = np.repeat([s.body for s in chosen], sizes).astype(int)
+        self.part = np.repeat(np.arange(len(chosen)), sizes)
         self.data, self._model = mujoco.MjData(model), model
         self.points, self.normals = self._local, self._turned
 
@@ -108,6 +111,7 @@ class Shapes:
         return Seen(
             pixel=pixel,
             body=self.body[triangle],
+            part=self.part[triangle],
             point=np.einsum("nk,nki->ni", true, self.points[corners]),
             normal=normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-9)[:, None],
             paint=self.paint[triangle],

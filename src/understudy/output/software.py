@@ -231,7 +231,7 @@ class SoftwareRenderer:
         for ghost, seen in enumerate(found):
             distance = np.linalg.norm(seen.point - camera.position, axis=1)
             hit = np.flatnonzero(distance < nearest[seen.pixel])
-            at, normal, body = seen.pixel[hit], seen.normal[hit], seen.body[hit]
+            at, normal, part = seen.pixel[hit], seen.normal[hit], seen.part[hit]
             if not ghost:
                 lit = np.ones(len(hit))
                 if self._shadow is not None:
@@ -240,13 +240,13 @@ class SoftwareRenderer:
                 color[at] = paint + shine(normal, rays[at], self._light)
                 # Where the two bodies coincide, the simulated one is seen.
                 nearest[at] = distance[hit] - _GHOST_DEPTH
-                label[at] = body + 1
+                label[at] = part + 1
             else:
                 facing = np.abs(np.einsum("ij,ij->i", normal, rays[at]))
                 paint = GHOST * lighting(normal, np.ones(len(hit)), self._light)
                 weight = (opacity * (0.85 + 0.6 * (1.0 - facing) ** 2)).clip(0.0, 1.0)[:, None]
                 color[at] += (paint - color[at]) * weight
-                label[at] += 100_000 * (body + 1)
+                label[at] += 100_000 * (part + 1)
         return label
 
 
