@@ -225,7 +225,8 @@ class Tracking:
         along, up, turn = self._root_frequency
         if turn > 0:
             ahead += reference.rates[:, 0] * (2.0 / turn)
-        if self._feedforward == "inverse_dynamics" and self.pelvis == "led":
+        if self._feedforward == "inverse_dynamics":
+            # For a led pelvis all that its motion needs, else what no ground can give it.
             force = _at(times, self.reference, self.need(scene, model).root)
             mass, inertia = self._root_inertia(scene, model)
             stiffness = mass * np.array([along, along, up]) ** 2
