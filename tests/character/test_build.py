@@ -108,6 +108,14 @@ def test_height_comes_from_the_legs():
     assert given.mass == pytest.approx(22.0 * 1.8**2)
 
 
+@pytest.mark.parametrize(
+    "gone", [("left_hip", "right_hip"), ("left_ankle", "right_ankle", "left_wrist", "right_wrist")]
+)
+def test_height_comes_from_whatever_limbs_there_are(gone):
+    skeleton = renamed(without(person(height=1.6), *gone), DIALECTS["motionbuilder"])
+    assert Character.from_clip(still(skeleton)).height == pytest.approx(1.6, rel=0.02)
+
+
 def test_a_wrong_unit_is_refused():
     huge = replace(CLIP, skeleton=CLIP.skeleton.scaled(100.0))
     with pytest.raises(InvalidValue, match="right unit"):
@@ -267,6 +275,11 @@ def test_any_chain_becomes_a_character(joints):
     assert len(character.links) == joints
     assert not character.humanoid
     assert character.simulated_mass > 0
+
+
+def test_a_skeleton_too_small_to_simulate_is_refused():
+    with pytest.raises(InvalidValue, match="right unit"):
+        Character.from_clip(still(chain(5).scaled(0.01)))
 
 
 def test_a_dog_gets_one_link_per_bone_of_water():

@@ -61,6 +61,13 @@ def test_a_body_without_arms_has_legs():
     assert not any("elbow" in role for role in found)
 
 
+def test_a_one_armed_person_keeps_the_roles_of_the_rest():
+    names = DIALECTS["motionbuilder"]
+    roles = find_roles(still(renamed(without(person(), "left_shoulder"), names)))
+    assert roles.joints["right_knee"] == "RightLeg"
+    assert len(set(roles.joints.values())) == len(roles.joints)
+
+
 def test_left_and_right_go_by_geometry_where_names_are_silent():
     roles = find_roles(still(renamed(person(), DIALECTS["meaningless"])))
     skeleton = renamed(person(), DIALECTS["meaningless"])
@@ -161,6 +168,24 @@ def test_one_joint_has_one_role():
     clip = still(renamed(person(), DIALECTS["motionbuilder"]))
     with pytest.raises(InvalidValue, match="two roles"):
         find_roles(clip, mapping=Mapping(roles={"left_elbow": "LeftLeg"}))
+
+
+def test_a_mapping_that_contradicts_the_tree_is_refused():
+    clip = still(renamed(person(), DIALECTS["motionbuilder"]))
+    crossed = {"left_elbow": "RightForeArm", "right_elbow": "LeftForeArm"}
+    with pytest.raises(InvalidValue, match=r"'RightForeArm' \(left_elbow\) does not hang on"):
+        find_roles(clip, mapping=Mapping(roles=crossed))
+    with pytest.raises(InvalidValue, match="give pelvis as well"):
+        find_roles(still(chain(4)), mapping=Mapping(roles={"left_knee": "c1"}))
+
+
+def test_a_mapping_alone_makes_a_person():
+    """A tree in which nothing is found, every role said."""
+    skeleton = renamed(person(), DIALECTS["meaningless"])
+    said = dict(DIALECTS["meaningless"])
+    roles = find_roles(still(skeleton), mapping=Mapping(roles=said))
+    assert roles.joints == said
+    assert roles.confidence == 1.0
 
 
 def test_a_mapping_names_joints_that_exist():

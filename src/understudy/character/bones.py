@@ -18,6 +18,7 @@ from understudy.motion.rotations import Array
 DENSITY = 1000.0  # kg/m3, water; people and animals differ from it by a few per cent
 # Bone radius over its length, and its bounds over the skeleton's greatest extent.
 _RADIUS, _THIN, _THICK = 0.12, 0.008, 0.05
+_SMALLEST = 0.02  # m
 _COLOR = (0.62, 0.62, 0.58, 1.0)
 
 
@@ -30,11 +31,17 @@ def bone_character(
     nothing else; what the mapping drops or folds goes too.
 
     Raises:
-        InvalidValue: The skeleton has no extent at all.
+        InvalidValue: The skeleton is smaller than 2 cm: its unit must be wrong, and MuJoCo could
+            not simulate it.
     """
     kept = _kept(clip, mapping or Mapping())
     skeleton, pose = clip.skeleton, clip.forward_kinematics()
     extent = _extent(clip)
+    if extent < _SMALLEST:
+        raise InvalidValue(
+            f"{clip.name}: measures {extent:.3g} m from the root to the farthest tip; at least "
+            f"{_SMALLEST:g} m can be simulated. Read the clip with the right unit."
+        )
     offsets: list[Array] = []
     parents: list[int] = []
     for joint in kept:

@@ -379,6 +379,8 @@ def _stature(clip: Clip, roles: Roles, given: float | None) -> tuple[float, str]
     for joints, parts, words in (
         (("hip", "knee", "ankle"), ("thigh", "shank"), "thigh and shank"),
         (("shoulder", "elbow", "wrist"), ("upper_arm", "forearm"), "upper arm and forearm"),
+        (("hip", "knee"), ("thigh",), "thighs"),
+        (("shoulder", "elbow"), ("upper_arm",), "upper arms"),
     ):
         found = []
         for side in ("left", "right"):
@@ -386,7 +388,7 @@ def _stature(clip: Clip, roles: Roles, given: float | None) -> tuple[float, str]
             if all(v is not None for v in lengths):
                 found.append(sum(v for v in lengths if v is not None))
         if found:
-            fraction = sizes[parts[0]] + sizes[parts[1]]
+            fraction = sum(sizes[part] for part in parts)
             height = float(np.mean(found)) / fraction
             if not 0.3 <= height <= 4:
                 raise InvalidValue(

@@ -143,9 +143,14 @@ def _pairs(tree: JointTree) -> Iterator[Pair]:
 
 
 def _opposite(tree: JointTree, one: list[int], two: list[int]) -> bool:
-    """Whether names say that one is left and the other right."""
-    sides = [{tree.hints[j].side for j in chain} - {""} for chain in (one, two)]
-    return len(sides[0]) == 1 and len(sides[1]) == 1 and sides[0] != sides[1]
+    """Whether names say that one is left and the other right, from the first joint to the last."""
+    sides = []
+    for chain in (one, two):
+        named = [tree.hints[j] for j in chain if tree.kinds(j)]
+        sides.append(
+            {h.side for h in named} or {tree.hints[j].side for j in chain if j < tree.real}
+        )
+    return {"left"} in sides and {"right"} in sides
 
 
 def _alike(tree: JointTree, one: list[int], two: list[int]) -> bool:
@@ -325,7 +330,7 @@ def _apart(tree: JointTree, leg: Pair, arm: Pair) -> bool:
     """Neither pair lies within the other's chains."""
     for one, two in ((leg, arm), (arm, leg)):
         held = {j for head in (one.chains[0][0], one.chains[1][0]) for j in _inside(tree, head)}
-        if two.root in held or two.chains[0][0] in held:
+        if held & {two.root, two.chains[0][0], two.chains[1][0]}:
             return False
     return True
 

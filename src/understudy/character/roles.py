@@ -17,7 +17,7 @@ from understudy.character.chains import JointTree, Limb, Pair, find_limbs, is_pe
 from understudy.character.mapping import Mapping
 from understudy.errors import InvalidValue
 from understudy.motion.clip import Clip
-from understudy.motion.figure import ROLES
+from understudy.motion.figure import PARENTS, ROLES
 from understudy.motion.rotations import Array
 from understudy.motion.skeleton import Skeleton
 
@@ -115,7 +115,11 @@ def find_roles(clip: Clip, *, mapping: Mapping | None = None) -> Roles:
         roles[role] = Role(
             role=role, joint=joint, origin=joint, confidence=1.0, evidence="said by the mapping"
         )
-    if not roles or "pelvis" not in roles:
+    if mapping.roles and "pelvis" not in roles:
+        raise InvalidValue(
+            f"{clip.name}: the mapping gives roles, but no pelvis was found; give pelvis as well."
+        )
+    if not roles:
         return Roles(reason=reason or "no pair of legs or arms.")
     ordered = tuple(roles[r] for r in ROLES if r in roles)
     _check_tree(clip.skeleton, ordered)
@@ -139,7 +143,7 @@ def _search(tree: JointTree) -> tuple[dict[str, Role], str]:
         said = tree.kinds(joint)
         named = kind in said or (kind == "neck" and "head" in said)
         confidence = 0.95 if named else (0.55 if said else 0.75)
-        words = "name and " if named else ("against its name, " if said else "")
+        words = "name; " if named else ("against its name; " if said else "")
         out[role] = Role(
             role=role,
             joint=tree.skeleton.names[joint],
@@ -168,7 +172,7 @@ def _search(tree: JointTree) -> tuple[dict[str, Role], str]:
             for kind, joint in zip(kinds, limb.joints, strict=True):
                 if joint >= tree.real:
                     continue
-                add(f"{side}_{kind}", joint, kind, f"lengths of {'leg' if tail else 'arm'}")
+                add(f"{side}_{kind}", joint, kind, f"lengths of a{' leg' if tail else 'n arm'}")
             toe = _toe(tree, limb) if tail else None
             if toe is not None:
                 add(f"{side}_ball", toe, "ball", "beyond the ankle")
@@ -314,12 +318,21 @@ def _reason(legs: Pair | None, arms: Pair | None, how: str) -> str:
 
 
 def _check_tree(skeleton: Skeleton, roles: tuple[Role, ...]) -> None:
-    joints = [r.joint for r in roles]
-    for role in roles:
-        if joints.count(role.joint) > 1:
-            other = next(r for r in roles if r.joint == role.joint and r is not role)
+    """Raise `InvalidValue` when two roles share a joint, or a limb's joints do not follow."""
+    joints = {r.role: r.joint for r in roles}
+    for role, joint in joints.items():
+        other = next((r for r in joints if r != role and joints[r] == joint), None)
+        if other is not None:
+            raise InvalidValue(f"Joint {joint!r} is given two roles: {role} and {other}.")
+        inboard = PARENTS.get(role, "")
+        if "_" not in inboard or inboard not in joints or inboard.endswith("_back"):
+            continue
+        above = skeleton.index(joint)
+        while above >= 0 and skeleton.names[above] != joints[inboard]:
+            above = skeleton.parents[above]
+        if above < 0:
             raise InvalidValue(
-                f"Joint {role.joint!r} is given two roles: {role.role} and {other.role}."
+                f"Joint {joint!r} ({role}) does not hang on {joints[inboard]!r} ({inboard})."
             )
 
 
