@@ -2,10 +2,10 @@
 
     python benchmarks/tracking_cost.py [--seconds 10] [--repeats 7]
 
-Both loops advance the same model from the same state with the same controls, in turns, in one
-process on one core; the least thread CPU time of each counts. "bare" calls `mj_step(model, data)`
-and sets nothing; "tracking" is what `simulate` does after the controls exist (one rollout with all
-states recorded); "control" is what computing the controls cost, once per run.
+Both loops advance the same model through the same states, in turns, in one process on one core;
+the least time of each counts. "bare" is the sum of the `mj_step(model, data)` calls alone;
+"tracking" is what `simulate` does once the controls exist (rollouts with all states recorded);
+"with control" adds the reference, its inverse dynamics and contact forces, computed once per run.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from understudy.performance import tracked
 from understudy.simulate import _rollout, open_loop_controls, prepared
 
 
-def thread_seconds(work) -> float:
-    start = time.thread_time()
+def seconds(work) -> float:
+    start = time.perf_counter()
     work()
-    return time.thread_time() - start
+    return time.perf_counter() - start
 
 
-def measure(plan: str, seconds: float, repeats: int) -> str:
+def measure(plan: str, duration: float, repeats: int) -> str:
     clip = sample("gesture" if plan.startswith("upper") else "walk")
     character = Character.from_clip(clip, plan=plan)
     performance = tracked(clip, character)
@@ -35,7 +35,7 @@ def measure(plan: str, seconds: float, repeats: int) -> str:
     started = time.process_time()
     block = open_loop_controls(performance, model)
     control = (time.process_time() - started) / performance.duration
-    steps = min(performance.steps, round(seconds / performance.scene.timestep))
+    steps = min(performance.steps, round(duration / performance.scene.timestep))
     ctrl = block.ctrl[:steps]
     spec = mujoco.mjtState.mjSTATE_FULLPHYSICS
     states = np.empty((steps + 1, mujoco.mj_stateSize(model, spec)))
@@ -46,23 +46,26 @@ def measure(plan: str, seconds: float, repeats: int) -> str:
         mujoco.mj_resetData(model, data)
         mujoco.mj_setState(model, data, states[0], spec)
 
-    def loop() -> None:
-        # The same controls are in force, set beforehand every 8 steps: setting them is not timed
-        # below, so that the bare loop is the engine alone on the same motion.
-        for _ in range(8):
-            mujoco.mj_step(model, data)
-
     def bare() -> float:
+        # The same trajectory step for step: controls are set between the timed steps, and what
+        # reading the clock costs is taken off.
         reset()
-        total = 0.0
-        for first in range(0, steps - 7, 8):
-            data.ctrl[:] = ctrl[first]
-            total += thread_seconds(loop)
-        return total / (steps // 8 * 8)
+        step, clock, target = mujoco.mj_step, time.perf_counter_ns, data.ctrl
+        total = 0
+        for row in ctrl:
+            target[:] = row
+            before = clock()
+            step(model, data)
+            total += clock() - before
+        before = clock()
+        for _ in range(10_000):
+            clock()
+        reading = (clock() - before) / 10_000
+        return (total / steps - reading) * 1e-9
 
     def tracking() -> float:
         reset()
-        return thread_seconds(lambda: list(_rollout(model, data, ctrl, None, states))) / steps
+        return seconds(lambda: list(_rollout(model, data, ctrl, None, states))) / steps
 
     bare_best = tracking_best = np.inf
     for _ in range(repeats):

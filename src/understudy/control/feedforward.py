@@ -93,6 +93,9 @@ def required(
     quiet = _quiet_copy(model)
     data = mujoco.MjData(quiet)
     points = contact_points(model, part) if contact and scene.ground is not None else []
+    bodies = [body for body, _, _ in points]
+    local = np.array([place for _, place, _ in points]).reshape(-1, 3)
+    below = np.array([(0.0, 0.0, radius) for _, _, radius in points]).reshape(-1, 3)
     friction = scene.ground.friction if scene.ground is not None else 0.0
     edges = np.array(
         [[friction, 0, 1], [-friction, 0, 1], [0, friction, 1], [0, -friction, 1]], float
@@ -105,24 +108,28 @@ def required(
         data.qacc[part.dofs] = changes[f]
         mujoco.mj_inverse(quiet, data)
         force[f] = data.qfrc_inverse[part.dofs]
-        columns = []
-        for body, local, radius in points:
-            world = data.xpos[body] + data.xmat[body].reshape(3, 3) @ local
-            world[2] -= radius
-            if world[2] < NEAR_GROUND:
-                # A point half way up may bear all of it, one at the limit almost nothing.
-                weight = np.clip(2.0 - 2.0 * world[2] / NEAR_GROUND, 0.05, 1.0)
-                mujoco.mj_jac(quiet, data, jacobian, None, world, body)
-                columns.append(weight * edges @ jacobian[:, part.dofs])
-        if columns:
-            effect = np.concatenate(columns).T
-            ridge = 0.05 * np.eye(effect.shape[1])
-            push, _ = nnls(
-                np.concatenate((effect[:6], ridge)),
-                np.concatenate((force[f, :6], np.zeros(len(ridge)))),
-            )
-            force[f] -= effect @ push
-            borne[f] = effect[2] @ push
+        if not points:
+            continue
+        frame = data.xmat[bodies].reshape(-1, 3, 3)
+        soles = data.xpos[bodies] + (frame @ local[..., None])[..., 0] - below
+        near = np.flatnonzero(soles[:, 2] < NEAR_GROUND)
+        if not len(near):
+            continue
+        columns = np.empty((4 * len(near), dofs))
+        for row, point in enumerate(near):
+            mujoco.mj_jac(quiet, data, jacobian, None, soles[point], bodies[point])
+            # A point half way up may bear all of it, one at the limit almost nothing.
+            weight = min(1.0, max(0.05, 2.0 - 2.0 * soles[point, 2] / NEAR_GROUND))
+            np.dot(weight * edges, jacobian[:, part.dofs], out=columns[4 * row : 4 * row + 4])
+        # A little ridge: of the many ways to share a load the most even one.
+        system = np.zeros((6 + len(columns), len(columns)))
+        system[:6] = columns[:, :6].T
+        np.fill_diagonal(system[6:], 0.05)
+        wanted = np.zeros(len(system))
+        wanted[:6] = force[f, :6]
+        push, _ = nnls(system, wanted)
+        force[f] -= push @ columns
+        borne[f] = push @ columns[:, 2]
     if frames > 7 and points:
         force = savgol_filter(force, min(7, frames - (frames + 1) % 2), 1, axis=0)
     return Required(force[:, 6:].reshape(frames, -1, 3), force[:, :6], borne)

@@ -53,23 +53,25 @@ def sampled(clip: Clip, times: Array, *, interpolation: Method = "spline") -> Sa
     Raises:
         InvalidValue: Another interpolation is named.
     """
-    rotations, positions = edits.sampled(clip, times, method=interpolation)
-    velocities, rates = np.zeros((len(times), 3)), np.zeros((*rotations.shape[:2], 3))
-    moving = (times >= 0.0) & (times <= clip.duration + 1e-9)
-    frame = np.clip(times[moving] * clip.rate, 0.0, clip.frames - 1)
-    if clip.frames < 2:
-        return Sampled(positions, velocities, rotations, rates)
-    if interpolation == "slerp" or clip.frames == 2:
-        k = np.minimum(frame.astype(int), clip.frames - 2)
-        step = rot.multiply(rot.conjugate(clip.rotations[:-1]), clip.rotations[1:])
-        velocities[moving] = np.diff(clip.root_positions, axis=0)[k] * clip.rate
-        rates[moving] = rot.to_rotvec(step)[k] * clip.rate
-    else:
+    times = np.asarray(times, float)
+    resting = (times < 0.0) | (times > clip.duration + 1e-9)
+    frame = np.clip(times * clip.rate, 0.0, clip.frames - 1)
+    if interpolation == "spline" and clip.frames > 2:
         grid = np.arange(clip.frames, dtype=float)
-        velocities[moving] = CubicSpline(grid, clip.root_positions)(frame, 1) * clip.rate
-        curve = CubicSpline(grid, clip.rotations)
+        path, curve = CubicSpline(grid, clip.root_positions), CubicSpline(grid, clip.rotations)
+        positions, velocities = path(frame), path(frame, 1) * clip.rate
         q, dq = curve(frame), curve(frame, 1) * clip.rate
         # omega = 2 q^-1 dq/dt; dividing by |q|^2 makes up for the spline's leaving the unit sphere.
-        inverse = rot.conjugate(q) / np.sum(q * q, axis=-1, keepdims=True)
-        rates[moving] = 2.0 * rot.multiply(inverse, dq)[..., 1:]
+        square = np.sum(q * q, axis=-1, keepdims=True)
+        rotations = q / np.sqrt(square)
+        rates = (2.0 / square) * rot.multiply(rot.conjugate(q), dq)[..., 1:]
+    else:
+        rotations, positions = edits.sampled(clip, times, method=interpolation)
+        velocities, rates = np.zeros((len(times), 3)), np.zeros((*rotations.shape[:2], 3))
+        if clip.frames > 1:
+            k = np.minimum(frame.astype(int), clip.frames - 2)
+            step = rot.multiply(rot.conjugate(clip.rotations[:-1]), clip.rotations[1:])
+            velocities = np.diff(clip.root_positions, axis=0)[k] * clip.rate
+            rates = rot.to_rotvec(step)[k] * clip.rate
+    velocities[resting], rates[resting] = 0.0, 0.0
     return Sampled(positions, velocities, rotations, rates)
