@@ -56,16 +56,17 @@ def test_a_person_in_no_standard_unit_is_scaled_to_one(again):
     assert noted(clip, "pass unit=")
 
 
-def test_a_child_in_centimeters_stays_a_child(again):
+@pytest.mark.parametrize(("scale", "height"), [(0.65, "1.1"), (1.7, "2.9")])
+def test_children_and_giants_in_centimeters_keep_their_size(again, scale, height):
     grown = person()
-    child = replace(
+    other = replace(
         grown,
-        skeleton=grown.skeleton.scaled(0.65),
-        root_positions=grown.root_positions * 0.65,
+        skeleton=grown.skeleton.scaled(scale),
+        root_positions=grown.root_positions * scale,
     )
-    clip = again(child)
+    clip = again(other)
     assert clip.conventions.unit == 0.01
-    assert noted(clip, "person of 1.1")
+    assert noted(clip, f"person of {height}")
 
 
 def test_arguments_overrule_what_is_detected(again):

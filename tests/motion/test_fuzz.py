@@ -12,6 +12,7 @@ PROGRAM = Path(__file__).parents[2] / "benchmarks" / "fuzz_readers.py"
 
 @pytest.mark.skipif(not PROGRAM.is_file(), reason="the benchmarks are not installed")
 def test_damaged_files_are_read_or_refused(monkeypatch):
+    pytest.importorskip("resource")
     monkeypatch.delenv("UNDERSTUDY_CLIPS", raising=False)
     spec = importlib.util.spec_from_file_location("fuzz_readers", PROGRAM)
     assert spec is not None and spec.loader is not None

@@ -23,6 +23,7 @@ LEG = 0.491
 ADULT = 1.75  # m, assumed where no standard unit gives a plausible person
 PLAUSIBLE = (1.40, 2.10)  # m, standing heights of adults
 POSSIBLE = (0.80, 2.40)  # m, standing heights from a small child on
+IMAGINED = (0.60, 3.50)  # m, standing heights of made-up bodies
 # Files on Poser's figure, told by its joints, are near centimeters: the root track of CMU's trial
 # 02_01 is as long as in the other conversions with this unit.
 POSER, POSER_UNIT = {"lButtock", "rButtock"}, 0.01024
@@ -206,6 +207,7 @@ def unit(shape: Shape, up: str, stated: float | None) -> tuple[float, str]:
     for (low, high), names in (
         (PLAUSIBLE, ("cm", "m", "cmu", "inch", "mm", "ft")),
         (POSSIBLE, ("cm", "m", "mm")),
+        (IMAGINED, ("cm", "m")),
     ):
         for name in names:
             if low <= height * UNITS[name] <= high:
