@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -35,8 +36,24 @@ def run(options: Options) -> Outcome:
     """Describe one clip."""
     clip = clip_from(options.clip, options)
     character = character_for(clip, options)
-    result = {"clip": options.clip, **described(clip), "character": embodied(character)}
-    return Outcome(result=result, text=text(clip, character))
+    changes = preparation(clip, character)
+    result = {
+        "clip": options.clip,
+        **described(clip),
+        "preparation": changes,
+        "character": embodied(character),
+    }
+    return Outcome(result=result, text=text(clip, character, changes))
+
+
+def preparation(clip: Clip, character: Character) -> list[str]:
+    """What would be changed before the body performs the clip: repairs, feet set on the ground."""
+    import understudy as us
+
+    (tracking, *_) = us.tracked(clip, character).controllers
+    reference: Clip = getattr(tracking, "reference", clip)
+    known = {*clip.notes, *character.notes}
+    return [note for note in reference.notes if note not in known]
 
 
 def described(clip: Clip) -> dict[str, Any]:
@@ -93,7 +110,7 @@ def lowest(clip: Clip) -> float:
     return float(min(heights))
 
 
-def text(clip: Clip, character: Character) -> str:
+def text(clip: Clip, character: Character, changes: Sequence[str]) -> str:
     """What a person reads."""
     lines = [
         f"{clip.name}: {len(clip.skeleton)} joints, {clip.frames} frames at {clip.rate:g} Hz, "
@@ -104,6 +121,8 @@ def text(clip: Clip, character: Character) -> str:
         f"{character.mass:.1f} kg, {character.height:.2f} m",
         *(f"  {note}" for note in character.notes),
     ]
+    if changes:
+        lines += ["", "before the body performs it:", *(f"  {note}" for note in changes)]
     if character.humanoid:
         lines += ["", "roles:", *(f"  {line}" for line in str(character.roles).splitlines())]
     else:

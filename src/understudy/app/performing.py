@@ -59,7 +59,7 @@ class Row:
         status: Exit status this clip alone would give.
         certificate: The score as JSON has it; empty after an error.
         files: Kind of file to its path.
-        notes: What the reader detected or changed.
+        notes: What was detected in the clip or changed before the body performed it.
         seconds: Wall time [s].
     """
 
@@ -98,7 +98,7 @@ def performed(job: Job) -> Row:
     clip = clip_from(job.clip, job.reading)
     character = character_for(clip, job.body)
     take = us.track(clip, character, **job.settings)
-    found = certificate(take)
+    found, (reference,) = certificate(take), take.references
     with staged(job.folder, job.name) as (folder, files):
         write_all(take, clip, folder, job)
         text = json.dumps(plain(found), indent=2, ensure_ascii=False, allow_nan=False)
@@ -108,7 +108,7 @@ def performed(job: Job) -> Row:
         name=job.name,
         certificate=found,
         files=files,
-        notes=clip.notes,
+        notes=() if reference is None else reference.notes,
         seconds=time.monotonic() - started,
     )
 
@@ -121,7 +121,7 @@ def write_all(take: Take, clip: Clip, folder: Path, job: Job) -> None:
     (character,) = take.scene.characters
     motion = take.clip()
     if job.body.character == OWN:
-        motion = restored(motion, clip, character)
+        motion = restored(motion, clip.repaired(), character)
     stem = folder / job.name
     us.write(motion, f"{stem}_sim.bvh")
     us.write(take, f"{stem}_sim.glb", f"{stem}.take.npz", *(f"{stem}{k}" for k in job.kinds))

@@ -47,6 +47,7 @@ class Options(Body, Reading):
         pelvis: led along its path (usual without legs), assisted softly (usual), or free.
         stiffness: Servo stiffness per inertia [1/s^2].
         torque_limits: Bound every joint by human strength, or not.
+        self_collision: Let the arms touch trunk and legs (pairs), or not.
         seed: Seed of every random choice.
         out: Folder for the files.
         stills: Also NAME.png, captured and simulated poses side by side.
@@ -67,6 +68,7 @@ class Options(Body, Reading):
         None
     )
     torque_limits: Literal["off", "human"] = "off"
+    self_collision: Literal["off", "pairs"] = "off"
     seed: int = 0
     out: Annotated[
         Path | None, arg(metavar="DIR", help_behavior_hint="(default: NAME_understudy)")
@@ -110,6 +112,7 @@ def jobs_for(options: Options) -> list[Job]:
         "law": options.law,
         "pelvis": options.pelvis,
         "torque_limits": options.torque_limits,
+        "self_collision": options.self_collision,
         "seed": options.seed,
     }
     if options.stiffness is not None:
