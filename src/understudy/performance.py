@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from understudy.character import Character, retargeted
+from understudy.character.body import SelfCollision
 from understudy.character.soles import planted, standing
 from understudy.control import Controller, Tracking
 from understudy.errors import InvalidValue
@@ -54,7 +55,7 @@ def tracked(
     pelvis: str | None = None,
     ground: Ground | None = None,
     timestep: float | None = None,
-    self_collision: str = "off",
+    self_collision: SelfCollision = "off",
     seed: int = 0,
     **settings: object,
 ) -> Performance:

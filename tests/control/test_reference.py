@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bodies import chain, still
 
+from bodies import chain, still
 from understudy.control.reference import sampled
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip

@@ -59,20 +59,14 @@ def test_doubling_every_mass_and_gain_gives_the_same_motion(gesture, upper):
         scene.model.dof_armature[:] = 0.0
         reference = retargeted(gesture, character)
         tracking = Tracking(reference=reference, pelvis="led", law="paper", stiffness=400.0)
-        takes.append(
-            simulate(Performance(scene=scene, controllers=(tracking,), duration=2.0))
-        )
+        takes.append(simulate(Performance(scene=scene, controllers=(tracking,), duration=2.0)))
     np.testing.assert_allclose(takes[0].qpos, takes[1].qpos, atol=1e-8)
-    np.testing.assert_allclose(
-        2.0 * servo_torques(takes[0]), servo_torques(takes[1]), atol=1e-5
-    )
+    np.testing.assert_allclose(2.0 * servo_torques(takes[0]), servo_torques(takes[1]), atol=1e-5)
 
 
 def test_the_papers_law_lags_by_kd_over_k(gesture, upper):
     for damping_time in (0.1, 0.06):
-        take = track(
-            gesture, upper, law="paper", stiffness=3000.0, damping_time=damping_time
-        )
+        take = track(gesture, upper, law="paper", stiffness=3000.0, damping_time=damping_time)
         assert joint_lag(take) == pytest.approx(damping_time, abs=0.015)
 
 

@@ -9,6 +9,7 @@ of the floor under the clip (capture floors are not level) is taken out with the
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -141,7 +142,8 @@ def _planting(places: Array, rate: float) -> Array:
     stance = (height < PLANTED_HEIGHT) & (np.linalg.norm(velocity, axis=1) < PLANTED_SPEED)
     stance = binary_closing(np.pad(stance, 3, mode="edge"), iterations=3)[3:-3]
     stance = binary_opening(np.pad(stance, 9, mode="edge"), iterations=max(1, round(0.03 * rate)))
-    spans, count = label(stance[9:-9])
+    found: Any = label(stance[9:-9])
+    spans, count = found
     shift = np.zeros((len(places), 3))
     for span in (spans == k for k in range(1, count + 1)):
         # Undo the velocity of the point that bears; on average over the stance the foot stays put.

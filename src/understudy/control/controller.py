@@ -53,6 +53,7 @@ class OpenLoop(Controller, Protocol):
 
     def controls(self, scene: Scene, model: mujoco.MjModel, times: Array) -> Controls:
         """Controls for steps that begin at `times` [s]; entries it does not own are zero."""
+        ...
 
 
 @runtime_checkable
@@ -67,6 +68,7 @@ class Compiled(Controller, Protocol):
 
     def feedback(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
         """The compiled function, its parameters, and its memory at time zero."""
+        ...
 
 
 @dataclass(frozen=True, kw_only=True)

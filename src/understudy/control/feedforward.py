@@ -131,7 +131,8 @@ def required(
         force[f] -= push @ columns
         borne[f] = push @ columns[:, 2]
     if frames > 7 and points:
-        force = savgol_filter(force, min(7, frames - (frames + 1) % 2), 1, axis=0)
+        width = min(7, frames - (frames + 1) % 2)
+        force = np.asarray(savgol_filter(force, width, 1, axis=0), float)
     return Required(force[:, 6:].reshape(frames, -1, 3), force[:, :6], borne)
 
 

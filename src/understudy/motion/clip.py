@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -177,7 +178,7 @@ class Clip:
 
         return edits.trimmed(self, start, end)
 
-    def resampled(self, rate: float, *, method: str = "slerp") -> Clip:
+    def resampled(self, rate: float, *, method: Literal["slerp", "spline"] = "slerp") -> Clip:
         """The same motion at another rate [Hz]; see `understudy.motion.edits.resampled`."""
         from understudy.motion import edits
 

@@ -164,14 +164,14 @@ def angle_between(a: ArrayLike, b: ArrayLike) -> Array:
 
 def shortest_arc(u: ArrayLike, v: ArrayLike) -> Array:
     """The smallest rotation that turns direction u into direction v, shapes (..., 3)."""
-    u, v = np.broadcast_arrays(np.asarray(u, float), np.asarray(v, float))
-    u = u / np.maximum(np.linalg.norm(u, axis=-1, keepdims=True), 1e-300)
-    v = v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
-    w = 1.0 + np.sum(u * v, axis=-1, keepdims=True)
+    a, b = np.broadcast_arrays(np.asarray(u, float), np.asarray(v, float))
+    a = a / np.maximum(np.linalg.norm(a, axis=-1, keepdims=True), 1e-300)
+    b = b / np.maximum(np.linalg.norm(b, axis=-1, keepdims=True), 1e-300)
+    w = 1.0 + np.sum(a * b, axis=-1, keepdims=True)
     # Opposite directions: half a turn about any axis at right angles to u.
-    other = np.where(np.abs(u[..., :1]) < 0.9, np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))
-    opposite = np.concatenate((np.zeros_like(w), np.cross(u, other)), axis=-1)
-    return normalized(np.where(w > 1e-9, np.concatenate((w, np.cross(u, v)), axis=-1), opposite))
+    other = np.where(np.abs(a[..., :1]) < 0.9, np.array([1.0, 0, 0]), np.array([0, 1.0, 0]))
+    opposite = np.concatenate((np.zeros_like(w), np.cross(a, other)), axis=-1)
+    return normalized(np.where(w > 1e-9, np.concatenate((w, np.cross(a, b)), axis=-1), opposite))
 
 
 def mean(q: ArrayLike, axis: int = 0) -> Array:

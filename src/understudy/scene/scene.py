@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from understudy.character import Character
+from understudy.character.body import SelfCollision
 from understudy.errors import InvalidValue
 from understudy.scene.ground import Ground
 
@@ -72,7 +73,7 @@ class Scene:
     props: tuple[Prop, ...] = ()
     timestep: float = 0.002
     gravity: float = 9.81
-    self_collision: str = "off"
+    self_collision: SelfCollision = "off"
 
     def __post_init__(self) -> None:
         characters = self.characters
