@@ -14,7 +14,7 @@ from pathlib import Path
 
 from understudy import Character, read, score, track
 
-CLIPS = ("cmu_bvh/02_05.bvh", "cmu_bvh/06_02.bvh", "other_bvh/wave_hello.bvh")
+CLIPS = ("cmu_bvh/02_05.bvh", "cmu_bvh/06_02.bvh", "cmu_asfamc/135_04.amc")
 
 
 def main() -> None:
