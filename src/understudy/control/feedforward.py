@@ -23,7 +23,8 @@ from understudy.motion.edits import derivative
 from understudy.motion.rotations import Array
 from understudy.scene import Part, Scene
 
-NEAR_GROUND = 0.02  # A sole point this high [m] or higher bears nothing.
+# A sole point this high [m] or higher bears nothing. Farther, and legs push before they land.
+NEAR_GROUND = 0.008
 SMOOTHING = 0.08  # Window of the derivative filter [s].
 
 

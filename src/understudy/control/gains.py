@@ -17,7 +17,7 @@ from understudy.scene import Part, Scene
 # Least stiffness of a leg over ground [N m/rad] for 70 kg and 1.75 m. An ankle must exceed m g h of
 # the body above it, 600 to 700 N m/rad, or the body topples over it (Loram & Lakie 2002 measure
 # 91 % of it in quiet standing); twice that keeps stance legs within 2 degrees of a captured walk.
-STANCE_STIFFNESS = {"hip": 1600.0, "knee": 1600.0, "ankle": 1200.0, "ball": 120.0}
+STANCE_STIFFNESS = {"hip": 1600.0, "knee": 1600.0, "ankle": 1200.0, "ball": 300.0}
 # Damping over stiffness of those legs [s]. A foot is light: more makes a landing foot a hammer.
 STANCE_DAMPING_TIME = 0.01
 STANCE_REFERENCE = 70.0 * 9.81 * 1.75
