@@ -37,6 +37,8 @@ MOST_SHIFT = 0.1  # A foot further off than this is not there by accident [m].
 PLANTED_HEIGHT = 0.03  # A sole point in stance is lower than this [m]
 PLANTED_SPEED = 0.7  # and slides no faster [m/s].
 PLANT_SMOOTHING = 0.04  # [s].
+# A foot swinging by at twice that speed or more passes at least this high over the floor [m].
+CLEARANCE = 0.015
 
 
 def fitted_soles(clip: Clip, character: Character) -> Character:
@@ -152,8 +154,11 @@ def _planting(places: Array, rate: float) -> Array:
         shift[span, 2] = -height[span]
     shift = _blended(np.clip(shift, -MOST_SHIFT, MOST_SHIFT), spans > 0)
     shift = gaussian_filter1d(shift, 0.5 * PLANT_SMOOTHING * rate, axis=0, mode="nearest")
-    # What still sinks is lifted by the greatest depth nearby, smoothed: no corner in the path.
-    depth = np.clip(-(places[..., 2].min(axis=1) + shift[:, 2]), 0.0, MOST_SHIFT)
+    # What still sinks or swings by too low is lifted by the greatest lack nearby, smoothed: no
+    # corner in the path.
+    swing = np.linalg.norm(velocity, axis=1) / PLANTED_SPEED - 1.0
+    clear = CLEARANCE * np.clip(swing, 0.0, 1.0)
+    depth = np.clip(clear - (places[..., 2].min(axis=1) + shift[:, 2]), 0.0, MOST_SHIFT)
     rise = maximum_filter1d(depth, 2 * round(PLANT_SMOOTHING * rate) + 1, mode="nearest")
     shift[:, 2] += gaussian_filter1d(rise, 0.5 * PLANT_SMOOTHING * rate, mode="nearest")
     return shift
