@@ -215,7 +215,11 @@ def _read(path: str | Path | None, settings: dict[str, Any]) -> dict[float, Tria
         return {}
     try:
         saved = json.loads(Path(path).read_text(encoding="utf-8"))
-        trials = [Trial(**t) for t in saved["trials"]]
+        # A trial that diverged has no numbers; JSON knows no infinity, so it is null there.
+        trials = [
+            Trial(**{k: np.inf if v is None else float(v) for k, v in t.items()})
+            for t in saved["trials"]
+        ]
         before = saved["settings"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UnderstudyError(f"{path}: is not a tuning checkpoint ({error}).") from None
@@ -229,6 +233,7 @@ def _read(path: str | Path | None, settings: dict[str, Any]) -> dict[float, Tria
 def _write(path: str | Path | None, settings: dict[str, Any], trials: dict[float, Trial]) -> None:
     if path is None:
         return
-    saved = {"settings": settings, "trials": [vars(t) for t in trials.values()]}
+    rows = [{k: v if np.isfinite(v) else None for k, v in vars(t).items()} for t in trials.values()]
+    saved = {"settings": settings, "trials": rows}
     with written(path) as temporary:
         temporary.write_text(json.dumps(saved, indent=1), encoding="utf-8")

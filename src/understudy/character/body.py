@@ -29,7 +29,7 @@ Limits = Literal["off", "on"]
 SKIN = (0.80, 0.66, 0.55, 1.0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Shape:
     """A solid fixed to a link.
 
@@ -75,7 +75,7 @@ class Shape:
         return self.use == "contact"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Link:
     """A rigid part and the ball joint that hangs it on its parent.
 

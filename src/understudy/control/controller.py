@@ -23,7 +23,7 @@ from understudy.motion.rotations import Array
 from understudy.scene import Scene
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Controls:
     """A block of controls, one row per physics step.
 

@@ -28,7 +28,7 @@ NEAR_GROUND = 0.008
 SMOOTHING = 0.08  # Window of the derivative filter [s].
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Required:
     """What a reference needs, at the clip's frames.
 

@@ -18,7 +18,7 @@ from understudy.motion.edits import Method
 from understudy.motion.rotations import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sampled:
     """A reference at given times.
 

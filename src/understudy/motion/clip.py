@@ -56,7 +56,7 @@ class Conventions:
         }[self.up]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Pose:
     """World poses of a skeleton over time.
 
@@ -71,7 +71,7 @@ class Pose:
     ends: Array
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Clip:
     """Joint rotations and a root path at a fixed rate; immutable.
 
@@ -121,6 +121,26 @@ class Clip:
         set_(self, "root_positions", path)
         set_(self, "rate", float(self.rate))
         set_(self, "notes", tuple(self.notes))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Clip):
+            return NotImplemented
+        return (
+            (self.skeleton, self.rate, self.name, self.synthetic, self.notes, self.conventions)
+            == (
+                other.skeleton,
+                other.rate,
+                other.name,
+                other.synthetic,
+                other.notes,
+                other.conventions,
+            )
+            and np.array_equal(self.rotations, other.rotations)
+            and np.array_equal(self.root_positions, other.root_positions)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.skeleton.names, self.rate, self.name, self.root_positions.tobytes()))
 
     # -- reading ----------------------------------------------------------------------------
 

@@ -1,1 +1,1 @@
-"""papers."""
+"""One module per paper: its tables and figures beside the published numbers. None is here yet."""
