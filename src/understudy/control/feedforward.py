@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -43,6 +44,36 @@ class Required:
     joints: Array
     root: Array
     ground: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rehearsal:
+    """The body and the clip a performer has learned, when it performs with another body or clip.
+
+    Feedforward and servo gains are then those of the rehearsed body: what was changed since is for
+    the servos to feel. Many performances may share one, and its inverse dynamics runs once.
+
+    Attributes:
+        scene: Where it was rehearsed.
+        reference: The clip rehearsed.
+    """
+
+    scene: Scene
+    reference: Clip
+
+    def need(self, character: int, *, contact: bool) -> Required:
+        """Inverse dynamics of the rehearsed clip with the rehearsed body; see `required`."""
+        key = character, contact
+        if key not in self._needs:
+            model = self.scene.model
+            self._needs[key] = required(
+                self.scene, model, character, self.reference, contact=contact
+            )
+        return self._needs[key]
+
+    @cached_property
+    def _needs(self) -> dict[tuple[int, bool], Required]:
+        return {}
 
 
 def contact_points(model: mujoco.MjModel, part: Part) -> list[tuple[int, Array, float]]:

@@ -21,6 +21,12 @@ STANCE_STIFFNESS = {"hip": 1600.0, "knee": 1600.0, "ankle": 1200.0, "ball": 300.
 # Damping over stiffness of those legs [s]. A foot is light: more makes a landing foot a hammer.
 STANCE_DAMPING_TIME = 0.01
 STANCE_REFERENCE = 70.0 * 9.81 * 1.75
+# Damping of a joint without a servo over the inertia outboard of it [1/s]: a hanging arm, whose
+# swing has about 5 rad/s, loses half of a swing's height in one period.
+LIMP_DAMPING = 1.0
+# Least stiffness of a locked joint over the inertia outboard of it [1/s^2], and over what its
+# servo had; its damping is critical.
+LOCKED_STIFFNESS, LOCKED_OVER_SERVO = 3e4, 10.0
 
 
 def outboard_inertia(model: mujoco.MjModel, part: Part) -> Array:

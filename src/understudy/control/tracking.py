@@ -22,9 +22,9 @@ import numpy as np
 
 from understudy.control import gains
 from understudy.control.controller import Controls
-from understudy.control.feedforward import Required, required
+from understudy.control.feedforward import Rehearsal, Required, required
 from understudy.control.reference import Sampled, sampled
-from understudy.errors import InvalidValue
+from understudy.errors import InvalidValue, UnknownName
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.edits import Method
@@ -66,6 +66,13 @@ class Tracking:
         torque_limits: "off", or "human": no joint's servo exceeds the published strength of a
             person of this sex, mass and height.
         interpolation: "spline" or "slerp" between frames.
+        strengths: Joint names and factors: such a joint gives this many times the torque its servo
+            would (gains, feedforward and torque limit alike). 0 is limp: no servo, a little passive
+            damping. Joints not named have 1.
+        locked: Joints held by a lock far stiffer than a servo, without feedforward, at the angle
+            the reference has.
+        rehearsal: The body and clip whose gains and feedforward these are; None for the scene's
+            own body and the reference.
         captured: The clip as it was read, kept for reports.
     """
 
@@ -79,6 +86,9 @@ class Tracking:
     root_frequency: tuple[float, float, float] | None = None
     torque_limits: str = "off"
     interpolation: Method = "spline"
+    strengths: tuple[tuple[str, float], ...] = ()
+    locked: tuple[str, ...] = ()
+    rehearsal: Rehearsal | None = field(default=None, repr=False)
     captured: Clip | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -103,6 +113,15 @@ class Tracking:
             raise InvalidValue(
                 f"root_frequency is {self.root_frequency}; it must be three numbers in 0 to 1000."
             )
+        joints = self.reference.skeleton.names[1:]
+        for joint in (*self.locked, *(joint for joint, _ in self.strengths)):
+            if joint not in joints:
+                raise UnknownName("joint", joint, joints)
+        for joint, factor in self.strengths:
+            if not 0 <= factor <= 100:
+                raise InvalidValue(
+                    f"The strength of {joint!r} is {factor}; it must lie in 0 to 100."
+                )
 
     @property
     def kd_over_k(self) -> float:
@@ -122,6 +141,9 @@ class Tracking:
             "feedforward": self._feedforward,
             "torque_limits": self.torque_limits,
             "interpolation": self.interpolation,
+            **({"strengths": dict(self.strengths)} if self.strengths else {}),
+            **({"locked": list(self.locked)} if self.locked else {}),
+            **({"feedforward_of": "the rehearsed body and clip"} if self.rehearsal else {}),
         }
 
     @property
@@ -142,19 +164,26 @@ class Tracking:
                 f"The reference {self.reference.name!r} is not on the skeleton of "
                 f"{body.name!r}; retarget it first."
             )
-        stiffness = gains.joint_stiffness(scene, model, self.character, self.stiffness)
-        stance = gains.stance_joints(scene, self.character)
-        for k, actuator, link, stands in zip(
-            stiffness, part.joint_actuators, body.links[1:], stance, strict=True
+        k, kd = self._gains(scene, model)
+        own = gains.outboard_inertia(model, part)[1:]
+        strengths = self._strengths
+        for j, (actuator, link) in enumerate(
+            zip(part.joint_actuators, body.links[1:], strict=True)
         ):
-            damping_time = self.kd_over_k
-            if stands and self.law == "modern" and self.damping_time is None:
-                damping_time = min(damping_time, gains.STANCE_DAMPING_TIME)
-            gains.set_orientation_gain(model, actuator, k, k * damping_time)
+            strength = strengths[j]
+            if link.joint in self.locked:
+                lock = max(gains.LOCKED_STIFFNESS * own[j], gains.LOCKED_OVER_SERVO * k[j])
+                gains.set_orientation_gain(model, actuator, lock, 2.0 * np.sqrt(lock * own[j]))
+                continue
+            gains.set_orientation_gain(model, actuator, strength * k[j], strength * kd[j])
+            if strength == 0.0:
+                first = part.dofs.start + 6 + 3 * j
+                model.dof_damping[first : first + 3] = gains.LIMP_DAMPING * own[j]
             if self.torque_limits == "human" and link.torque_limit is not None:
                 # The engine bounds the length of the torque vector: the strongest axis' limit.
                 model.actuator_forcelimited[actuator] = True
-                model.actuator_forcerange[actuator] = 0.0, float(np.max(link.torque_limit))
+                limit = strength * float(np.max(link.torque_limit))
+                model.actuator_forcerange[actuator] = 0.0, limit
         mass, inertia = self._root_inertia(scene, model)
         along, up, turn = self._root_frequency
         for actuator, w in zip(part.root_actuators[:3], (along, along, up), strict=True):
@@ -175,15 +204,14 @@ class Tracking:
         part = scene.parts[self.character]
         reference = sampled(self.reference, times, interpolation=self.interpolation)
         ctrl = np.zeros((len(times), model.nu))
-        actuators = list(part.joint_actuators)
-        k = model.actuator_gainprm[actuators, 0]
-        ahead = np.zeros((len(times), len(actuators), 3))
+        k, kd = self._gains(scene, model)
+        ahead = np.zeros((len(times), len(k), 3))
         if self.law == "modern":
-            damping_time = -model.actuator_biasprm[actuators, 2] / k
-            ahead += damping_time[:, None] * reference.rates[:, 1:]
+            ahead += (kd / k)[:, None] * reference.rates[:, 1:]
         if self._feedforward == "inverse_dynamics":
             need = self.need(scene, model)
             ahead += _at(times, self.reference, need.joints) / k[None, :, None]
+        ahead[:, [name in self.locked for name in self.reference.skeleton.names[1:]]] = 0.0
         turned = rot.multiply(reference.rotations[:, 1:], rot.from_rotvec(_bounded(ahead)))
         columns = np.asarray(part.joint_controls, int)[:, None] + np.arange(4)
         ctrl[:, columns] = turned
@@ -191,10 +219,15 @@ class Tracking:
         return Controls(ctrl)
 
     def need(self, scene: Scene, model: mujoco.MjModel) -> Required:
-        """Inverse dynamics of the reference; a led pelvis bears whatever the ground would."""
+        """Inverse dynamics of the reference; a led pelvis bears whatever the ground would.
+
+        Of the rehearsed clip and body where there is a rehearsal.
+        """
+        contact = self.pelvis != "led"
+        if self.rehearsal is not None:
+            return self.rehearsal.need(self.character, contact=contact)
         key = (id(scene), model.opt.timestep)
         if key not in self._needs:
-            contact = self.pelvis != "led"
             self._needs[key] = required(
                 scene, model, self.character, self.reference, contact=contact
             )
@@ -211,7 +244,31 @@ class Tracking:
         given = self.root_frequency
         return ROOT_FREQUENCY[self.pelvis] if given is None else given
 
+    @property
+    def _strengths(self) -> Array:
+        """Strength of every joint but the root, shape (links - 1,)."""
+        given = dict(self.strengths)
+        return np.array([given.get(name, 1.0) for name in self.reference.skeleton.names[1:]])
+
+    def _learned(self, scene: Scene, model: mujoco.MjModel) -> tuple[Scene, mujoco.MjModel]:
+        """The scene and model that gains are made for."""
+        if self.rehearsal is None:
+            return scene, model
+        return self.rehearsal.scene, self.rehearsal.scene.model
+
+    def _gains(self, scene: Scene, model: mujoco.MjModel) -> tuple[Array, Array]:
+        """Stiffness [N m/rad] and damping [N m s/rad] at strength 1, each shape (links - 1,)."""
+        scene, model = self._learned(scene, model)
+        k = gains.joint_stiffness(scene, model, self.character, self.stiffness)
+        kd = k * self.kd_over_k
+        if self.law == "modern" and self.damping_time is None:
+            stands = [bool(kind) for kind in gains.stance_joints(scene, self.character)]
+            least = min(self.kd_over_k, gains.STANCE_DAMPING_TIME)
+            kd = np.where(stands, k * least, kd)
+        return k, kd
+
     def _root_inertia(self, scene: Scene, model: mujoco.MjModel) -> tuple[float, float]:
+        scene, model = self._learned(scene, model)
         part = scene.parts[self.character]
         mass = float(sum(model.body_mass[b] for b in part.bodies))
         return mass, float(gains.outboard_inertia(model, part)[0])
