@@ -6,13 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from understudy.character import Character, retargeted
+from understudy.character import Character, Linkage, retargeted
 from understudy.character.body import SelfCollision
 from understudy.character.soles import planted, standing
-from understudy.control import Controller, Tracking
+from understudy.control import Controller, Drive, Tracking
 from understudy.errors import InvalidValue
 from understudy.motion.clip import Clip
 from understudy.scene import Ground, Scene, timestep_for
+
+# Wilke & Semwal 2017 drop 9.81 units per second squared on figures about 24 units tall.
+PAPER_GRAVITY = 9.81
+# Steps per second at which the modern drive runs, or the next multiple of the clip's rate.
+DRIVE_RATE = 240.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,3 +97,62 @@ def tracked(
         **settings,  # type: ignore[arg-type]
     )
     return Performance(scene=scene, controllers=(tracking,), duration=reference.duration, seed=seed)
+
+
+def driven(
+    clip: Clip,
+    linkage: Linkage,
+    *,
+    law: str = "modern",
+    gravity: float | None = None,
+    scale: float = 1.0,
+    substeps: int | None = None,
+    ground: Ground | None = None,
+    duration: float | None = None,
+    seed: int = 0,
+    **settings: object,
+) -> Performance:
+    """The performance of rigid bodies driven along a clip (see `Drive`).
+
+    The clip is taken as it is, frame by frame; resample it first where another rate is wanted.
+
+    Args:
+        clip: The clip, on the linkage's skeleton.
+        linkage: See `Linkage.from_clip`.
+        law: "modern", or "paper" for exactly the published law.
+        gravity: Downward acceleration [m/s^2]; by default 9.81 for the modern law, and 9.81 of the
+            linkage's units per second squared for the paper's.
+        scale: Size of the paper's simulated model over the clip's. A model twice as large under the
+            same gravity moves as this one under half of it, and so it is done.
+        substeps: Physics steps per frame; by default one for the paper's law, otherwise so many
+            that a step lasts at most 1/240 s.
+        ground: A floor, for linkages with contact; none by default.
+        duration: Simulated time [s]; by default the clip's.
+        seed: Seed of the performance.
+        settings: Passed on to `Drive`: gain, order, velocity_scale, scaling, strength, ...
+
+    Raises:
+        InvalidValue: A value out of range, or gains too large for the time step (K_f dt >= 2).
+    """
+    if not (np.isfinite(scale) and scale > 0):
+        raise InvalidValue(f"scale is {scale}; it must be a positive number.")
+    if gravity is None:
+        gravity = PAPER_GRAVITY * linkage.unit if law == "paper" else 9.81
+    if substeps is None:
+        substeps = 1 if law == "paper" else max(1, int(np.ceil(DRIVE_RATE / clip.rate - 1e-6)))
+    if not 1 <= substeps <= 1000:
+        raise InvalidValue(f"substeps is {substeps}; it must lie in 1 to 1000.")
+    scene = Scene(
+        characters=(linkage,),
+        ground=ground,
+        timestep=1.0 / (clip.rate * substeps),
+        gravity=gravity / scale,
+    )
+    drive = Drive(reference=clip, captured=clip, law=law, scale=scale, **settings)  # type: ignore[arg-type]
+    drive.check(scene)
+    return Performance(
+        scene=scene,
+        controllers=(drive,),
+        duration=clip.duration if duration is None else duration,
+        seed=seed,
+    )

@@ -28,7 +28,7 @@ import numpy as np
 from tqdm import tqdm
 
 from understudy.character import Character
-from understudy.control import Compiled, Controls, OpenLoop, PythonController
+from understudy.control import Compiled, Controls, Drive, OpenLoop, PythonController
 from understudy.errors import Diverged, InvalidValue
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
@@ -470,6 +470,8 @@ def _take(
             references[which] = getattr(controller, "reference", None)
             captured[which] = getattr(controller, "captured", None)
         facts |= getattr(controller, "facts", {})
+        if isinstance(controller, Drive):
+            facts |= controller.settings(performance.scene)
     return Take(
         scene=performance.scene,
         performance=performance,

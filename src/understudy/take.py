@@ -8,8 +8,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from understudy.character import Linkage
 from understudy.errors import InvalidValue
-from understudy.motion.clip import Clip
+from understudy.motion.clip import Clip, Conventions
+from understudy.motion.edits import sampled
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
 from understudy.scene import Scene
@@ -99,6 +101,8 @@ class Take:
         part = self.scene.parts[character]
         state = self.qpos[::every, part.qpos]
         body = self.scene.characters[character]
+        if isinstance(body, Linkage):
+            return self._linkage_clip(body, state, reference, every)
         return Clip(
             skeleton=body.skeleton,
             rotations=state[:, 3:].reshape(len(state), -1, 4),
@@ -107,6 +111,25 @@ class Take:
             name=f"{reference.name}_sim" if reference is not None else body.name,
             synthetic=True,
             notes=("Simulated motion.",),
+        )
+
+    def _linkage_clip(
+        self, linkage: Linkage, state: Array, reference: Clip | None, every: int
+    ) -> Clip:
+        placed, turned = linkage.poses(state)
+        leaves = None
+        if reference is not None:
+            times = np.minimum(self.times[::every], reference.duration)
+            leaves, _ = sampled(reference, times, method="slerp")
+        return Clip(
+            skeleton=linkage.skeleton,
+            rotations=linkage.joint_rotations(turned, leaves),
+            root_positions=placed[:, 0],
+            rate=self.rate / every,
+            name=f"{reference.name}_sim" if reference is not None else linkage.name,
+            synthetic=True,
+            notes=("Simulated motion of rigid bodies.",),
+            conventions=Conventions() if reference is None else reference.conventions,
         )
 
     def poses(self, rate: float | None = None) -> tuple[Array, Array, Array]:

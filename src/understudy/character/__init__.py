@@ -1,11 +1,13 @@
 """Who performs: bodies with masses, shapes and joints.
 
 In: a clip (or a ready-made body's name). Out: a `Character`, which gives a MuJoCo model (`spec`), a
-skeleton, and through `retargeted` and `restored` takes clips on and gives them back.
+skeleton, and through `retargeted` and `restored` takes clips on and gives them back; or a `Linkage`,
+the clip's whole skeleton as rigid bodies.
 """
 
 from understudy.character.bodies import adult_man, adult_woman, alien, body, child
 from understudy.character.body import Character, Link, Shape
+from understudy.character.linkage import Linkage, Lock
 from understudy.character.mapping import Mapping, read_mapping
 from understudy.character.retarget import restored, retargeted
 from understudy.character.roles import Roles, find_roles
@@ -13,6 +15,8 @@ from understudy.character.roles import Roles, find_roles
 __all__ = [
     "Character",
     "Link",
+    "Linkage",
+    "Lock",
     "Mapping",
     "Roles",
     "Shape",

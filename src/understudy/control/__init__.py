@@ -1,4 +1,4 @@
-"""What drives the joints: the controller protocols, the servos and clip tracking.
+"""What drives the joints: the controller protocols, clip tracking, the rigid-body drive.
 
 In: a `Scene` and a reference `Clip`. Out: controls for `simulate`; nothing here steps the engine.
 """
@@ -10,6 +10,7 @@ from understudy.control.controller import (
     OpenLoop,
     PythonController,
 )
+from understudy.control.drive import Drive
 from understudy.control.tracking import Tracking
 
-__all__ = ["Compiled", "Controller", "Controls", "OpenLoop", "PythonController", "Tracking"]
+__all__ = ["Compiled", "Controller", "Controls", "Drive", "OpenLoop", "PythonController", "Tracking"]

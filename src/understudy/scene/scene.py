@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Literal, Protocol
 
 import mujoco
 import numpy as np
 
-from understudy.character import Character
+from understudy.character import Character, Linkage
 from understudy.character.body import SelfCollision
 from understudy.errors import InvalidValue
 from understudy.scene.ground import Ground
@@ -29,14 +29,15 @@ class Part:
 
     Attributes:
         prefix: Put before its names in the model; empty for the first character.
-        qpos: Its slice of qpos: root position (3), then one quaternion per link.
+        qpos: Its slice of qpos: root position (3), then one quaternion per link. For a linkage see
+            `Linkage.coordinates`.
         dofs: Its slice of qvel: root velocity (3, world), then 3 per link (link frame).
-        bodies: Body id of each link, in link order.
+        bodies: Body id of each link, in link order (of a linkage: in joint order).
         joint_controls: Address of the quaternion control of each joint but the root, in link order.
         joint_actuators: Actuator id of each joint but the root.
         root_controls: Addresses of the root servo's controls: x, vx, y, vy, z, vz, then the
             quaternion.
-        root_actuators: Actuator ids of the root servo: x, y, z, rotation.
+        root_actuators: Actuator ids of the root servo: x, y, z, rotation. Linkages have none.
     """
 
     prefix: str
@@ -59,25 +60,28 @@ class Scene:
     """Characters, ground and props; no time.
 
     Attributes:
-        characters: At least one. The first keeps its names in the model; the others' are prefixed
+        characters: Characters or linkages, at least one. The first keeps its names in the model; the others' are prefixed
             "b/", "c/" and so on.
         ground: The floor, or None for free space.
         props: Things that attach themselves.
         timestep: Physics step [s].
         gravity: Downward acceleration [m/s^2].
         self_collision: Which of a character's own link pairs collide; see `Character.spec`.
+        integrator: "implicitfast", which takes servo damping implicitly, or "euler", the
+            semi-implicit step; by default the latter where all who perform are linkages.
     """
 
-    characters: tuple[Character, ...]
+    characters: tuple[Any, ...]
     ground: Ground | None = field(default_factory=Ground)
     props: tuple[Prop, ...] = ()
     timestep: float = 0.002
     gravity: float = 9.81
     self_collision: SelfCollision = "off"
+    integrator: Literal["implicitfast", "euler"] | None = None
 
     def __post_init__(self) -> None:
         characters = self.characters
-        if isinstance(characters, Character):
+        if isinstance(characters, Character | Linkage):
             characters = (characters,)
         object.__setattr__(self, "characters", tuple(characters))
         object.__setattr__(self, "props", tuple(self.props))
@@ -89,6 +93,10 @@ class Scene:
             raise InvalidValue(f"timestep is {self.timestep} s; it must lie in 1e-5 to 0.05.")
         if not np.isfinite(self.gravity):
             raise InvalidValue(f"gravity is {self.gravity}; it must be a finite number.")
+        if self.integrator not in (None, "implicitfast", "euler"):
+            raise InvalidValue(
+                f"integrator is {self.integrator!r}; it must be 'implicitfast' or 'euler'."
+            )
 
     def prefix(self, character: int = 0) -> str:
         """Name prefix of a character in the model."""
@@ -107,10 +115,18 @@ class Scene:
         option = spec.option
         option.timestep = self.timestep
         option.gravity = [0.0, 0.0, -self.gravity]
-        # Euler does not take the servos' damping implicitly; the sparse Newton solver of MuJoCo
-        # 4.0.0 can have a wrong Hessian; a contact stiffer than two steps is clamped anyway.
-        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        linkages = all(isinstance(character, Linkage) for character in self.characters)
+        if (self.integrator or ("euler" if linkages else "implicitfast")) == "euler":
+            option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+            option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
+        else:
+            # Euler does not take the servos' damping implicitly.
+            option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        # The sparse Newton solver of MuJoCo 4.0.0 can have a wrong Hessian where there are contacts;
+        # without them it is right, and faster on many free bodies.
+        sparse = linkages and not any(character.contact for character in self.characters)
+        jacobian = mujoco.mjtJacobian
+        option.jacobian = jacobian.mjJAC_SPARSE if sparse else jacobian.mjJAC_DENSE
         return spec
 
     @cached_property
@@ -136,6 +152,12 @@ class Scene:
         def ids(kind: mujoco.mjtObj, names: Iterable[str]) -> tuple[int, ...]:
             return tuple(mujoco.mj_name2id(model, kind, prefix + name) for name in names)
 
+        if isinstance(character, Linkage):
+            bodies = ids(mujoco.mjtObj.mjOBJ_BODY, character.names)
+            joint = int(model.body_jntadr[bodies[0]])
+            q, v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+            nq, nv = character.widths
+            return Part(prefix, slice(q, q + nq), slice(v, v + nv), bodies, (), (), (), ())
         links = character.links
         root = links[0].joint
         joints = ids(mujoco.mjtObj.mjOBJ_JOINT, ["root_x", root])
