@@ -97,12 +97,20 @@ def test_the_rest_pose_stands_on_flat_soles(body):
     assert data.contact.dist == pytest.approx(-1e-4, abs=1e-9)
 
 
-def test_only_feet_and_hands_touch_the_ground():
-    model = Character.from_clip(CLIP).spec().compile()
+def test_every_link_can_lie_on_the_ground_once():
+    """Feet and hands by their contact shapes, the rest by those for self-collision, never both."""
+    character = Character.from_clip(CLIP)
+    model = character.spec().compile()
     touching = {model.body(b).name for b in model.geom_bodyid[model.geom_conaffinity > 0]}
-    assert touching == {
-        f"{s}_{part}" for s in ("left", "right") for part in ("foot", "toes", "hand")
-    }
+    assert touching == {link.name for link in character.links}
+    for link in character.links:
+        if any(shape.contact for shape in link.shapes):
+            uses = {
+                shape.use
+                for k, shape in enumerate(link.shapes)
+                if model.geom(f"{link.name}_{k}").conaffinity[0] > 0
+            }
+            assert uses == {"contact"}
 
 
 def test_links_of_one_body_pass_through_each_other_unless_asked():

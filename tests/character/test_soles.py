@@ -117,3 +117,31 @@ def test_another_body_keeps_its_feet_on_the_ground():
     woman = adult_woman()
     lowest = sole_heights(standing(retargeted(WALK, woman), woman), woman).min(axis=1)
     assert np.abs(np.quantile(lowest, [0.1, 0.5, 0.9])).max() < 0.012
+
+
+def test_hands_that_sink_are_lifted_out_of_the_floor():
+    """Arms hanging down with the body lowered until the fingers are 10 cm below the floor."""
+    from understudy.motion.figure import figure
+
+    skeleton = figure()
+    turned = rot.identity(60, len(skeleton))
+    for side, sign in (("left", -1.0), ("right", 1.0)):
+        k = skeleton.index(f"{side}_shoulder")
+        turned[:, k] = rot.from_rotvec([sign * np.pi / 2, 0.0, 0.0])
+    path = np.tile(skeleton.offsets[0], (60, 1))
+    pose = Clip(skeleton=skeleton, rotations=turned, root_positions=path, rate=60.0)
+    character = Character.from_clip(pose)
+    clip = retargeted(pose, character)
+    wrist = character.index("left_wrist")
+    low = clip.forward_kinematics().positions[:, wrist, 2].min() - 0.08
+    out = planted(shifted(clip, (0.0, 0.0, -low)), character)
+    after = out.forward_kinematics().positions[:, wrist, 2]
+    assert after.min() > 0.08
+    assert any("Lifted the hands" in note for note in out.notes)
+
+
+def test_a_fallen_body_lies_on_the_ground():
+    from understudy.simulate import track
+
+    take = track(WALK.trimmed(0.0, 3.0), WALKER, pelvis="free")
+    assert take.clip().forward_kinematics().positions[..., 2].min() > -0.03

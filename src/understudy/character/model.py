@@ -101,8 +101,12 @@ def _add_link(
     body.ipos = link.com
     i = link.inertia
     body.fullinertia = (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
+    soled = any(shape.contact for shape in link.shapes)
     for k, shape in enumerate(link.shapes):
-        add_shape(out, body, f"{link.name}_{k}", shape)
+        geom = add_shape(out, body, f"{link.name}_{k}", shape)
+        if shape.use == "collision" and not soled:
+            # Trunk, limbs and head lie on the ground with the shapes they touch each other with.
+            geom.conaffinity = GROUND_BIT
     return body
 
 

@@ -34,11 +34,15 @@ LOW = 0.12  # And lies lower than this over the floor [m].
 MOST = 0.03  # Most a point moves in one round [m].
 ROUNDS = 3
 MOST_SHIFT = 0.1  # A foot further off than this is not there by accident [m].
+MOST_LIFT = 0.6  # Hands of a body with long arms may hang this far below the floor [m].
 PLANTED_HEIGHT = 0.03  # A sole point in stance is lower than this [m]
 PLANTED_SPEED = 0.7  # and slides no faster [m/s].
 PLANT_SMOOTHING = 0.04  # [s].
 # A foot swinging by at twice that speed or more passes at least this high over the floor [m].
 CLEARANCE = 0.015
+_LEG, _ARM = ("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")
+# Axes a straight limb bends about, in its upper link's frame: a knee's, and an elbow's in T-pose.
+_LATERAL, _VERTICAL = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
 def fitted_soles(clip: Clip, character: Character) -> Character:
@@ -98,38 +102,52 @@ def standing(clip: Clip, character: Character, *, shifts: Array | None = None) -
 
 
 def planted(clip: Clip, character: Character) -> Clip:
-    """The clip with feet that neither sink into the floor nor slide along it.
+    """The clip with feet that neither sink into the floor nor slide along it, and hands above it.
 
     A captured foot has no sole: pushing off, it turns its toes some centimeters into the floor, and
     in stance it drifts by how far the skeleton is off the actor's. A simulated one would trip and
     stick. The ankle is moved so that the foot's lowest point stays above z = 0 and, while it is
     low and slow, where it is; between stances the correction blends over. Hip and knee follow in
-    the leg's own plane and the foot keeps its orientation. A note says how far.
+    the leg's own plane and the foot keeps its orientation. Hands that sink are lifted alike. A
+    note says how far.
 
     Args:
         clip: On the character's own skeleton, standing on z = 0.
         character: The body.
     """
-    local, most = np.array(clip.rotations), 0.0
+    if clip.frames < 5 or not sole_points(character):
+        return clip
+    local, most = np.array(clip.rotations), {"feet": 0.0, "hands": 0.0}
     joints = [link.joint for link in character.links]
     for side in ("left", "right"):
-        leg = [f"{side}_{joint}" for joint in ("hip", "knee", "ankle")]
-        places = [
-            place
-            for place, link in zip(*_sole_paths(clip, character), strict=True)
-            if joints[link].startswith(side)
-        ]
-        if not places or any(name not in joints for name in leg) or clip.frames < 5:
-            continue
-        shift = _planting(np.stack(places, axis=1), clip.rate)
-        if np.abs(shift).max() < 0.001:
-            continue
-        _move_ankle(clip, [joints.index(name) for name in leg], shift, local)
-        most = max(most, float(np.linalg.norm(shift, axis=1).max()))
-    if most == 0.0:
-        return clip
-    note = f"Planted the feet on the floor: ankles moved by up to {1000 * most:.0f} mm."
-    return replace(clip, rotations=local, notes=(*clip.notes, note))
+        for part, limb, hinge in (("feet", _LEG, _LATERAL), ("hands", _ARM, _VERTICAL)):
+            names = [f"{side}_{joint}" for joint in limb]
+            points = [
+                place
+                for place, link in zip(*_paths(clip, character, part), strict=True)
+                if joints[link].startswith(side)
+            ]
+            if not points or any(name not in joints for name in names):
+                continue
+            places = np.stack(points, axis=1)
+            if part == "feet":
+                shift = _planting(places, clip.rate)
+            else:
+                shift = np.zeros((clip.frames, 3))
+                shift[:, 2] = _rise(-places[..., 2].min(axis=1), clip.rate, most=MOST_LIFT)
+            if np.abs(shift).max() < 0.001:
+                continue
+            _move_end(clip, [joints.index(name) for name in names], shift, local, hinge)
+            most[part] = max(most[part], float(np.linalg.norm(shift, axis=1).max()))
+    notes = [
+        f"{verb} the {part}{where}: moved by up to {1000 * most[part]:.0f} mm."
+        for verb, part, where in (
+            ("Planted", "feet", " on the floor"),
+            ("Lifted", "hands", " out of the floor"),
+        )
+        if most[part] > 0.0
+    ]
+    return replace(clip, rotations=local, notes=(*clip.notes, *notes)) if notes else clip
 
 
 def _planting(places: Array, rate: float) -> Array:
@@ -158,10 +176,15 @@ def _planting(places: Array, rate: float) -> Array:
     # corner in the path.
     swing = np.linalg.norm(velocity, axis=1) / PLANTED_SPEED - 1.0
     clear = CLEARANCE * np.clip(swing, 0.0, 1.0)
-    depth = np.clip(clear - (places[..., 2].min(axis=1) + shift[:, 2]), 0.0, MOST_SHIFT)
-    rise = maximum_filter1d(depth, 2 * round(PLANT_SMOOTHING * rate) + 1, mode="nearest")
-    shift[:, 2] += gaussian_filter1d(rise, 0.5 * PLANT_SMOOTHING * rate, mode="nearest")
+    shift[:, 2] += _rise(clear - (places[..., 2].min(axis=1) + shift[:, 2]), rate)
     return shift
+
+
+def _rise(depth: Array, rate: float, *, most: float = MOST_SHIFT) -> Array:
+    """How far to lift [m] over time so that nothing stays `depth` too low, without a corner."""
+    depth = np.clip(depth, 0.0, most)
+    rise = maximum_filter1d(depth, 2 * round(PLANT_SMOOTHING * rate) + 1, mode="nearest")
+    return gaussian_filter1d(rise, 0.5 * PLANT_SMOOTHING * rate, mode="nearest")
 
 
 def _blended(shift: Array, stance: np.ndarray) -> Array:
@@ -172,9 +195,13 @@ def _blended(shift: Array, stance: np.ndarray) -> Array:
     return PchipInterpolator(knots, shift[knots], axis=0)(np.arange(len(shift)))
 
 
-def _move_ankle(clip: Clip, leg: list[int], shift: Array, local: Array) -> None:
-    """Change hip, knee and ankle rotations in `local` so that the ankle is moved by `shift` [m]."""
-    hip, knee, ankle = leg
+def _move_end(clip: Clip, limb: list[int], shift: Array, local: Array, hinge: Array) -> None:
+    """Change a limb's three rotations in `local` so that its end joint is moved by `shift` [m].
+
+    `limb` is hip, knee and ankle, or shoulder, elbow and wrist; the foot or hand keeps its
+    orientation. `hinge` is the axis in the upper link's frame to bend a straight limb about.
+    """
+    hip, knee, ankle = limb
     pose = clip.forward_kinematics()
     place, turned = pose.positions, pose.rotations
     inboard = turned[:, clip.skeleton.parents[hip]]
@@ -190,9 +217,9 @@ def _move_ankle(clip: Clip, leg: list[int], shift: Array, local: Array) -> None:
         """Angle between thigh and shank [rad] at a distance of hip and ankle."""
         return np.arccos(np.clip((distance**2 - a**2 - b**2) / (2.0 * a * b), -1.0, 1.0))
 
-    # The axis of the knee; where the leg is straight, the thigh's own lateral axis.
+    # The axis of the knee; where the leg is straight, the thigh's own.
     normal = np.cross(thigh, shank)
-    lateral = rot.rotate(turned[:, hip], np.array([0.0, 1.0, 0.0]))
+    lateral = rot.rotate(turned[:, hip], hinge)
     lateral -= thigh * (np.sum(lateral * thigh, axis=1) / a**2)[:, None]
     blend = np.clip(np.linalg.norm(normal, axis=1) / (0.05 * a * b), 0.0, 1.0)[:, None]
     size = np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
@@ -227,10 +254,13 @@ def _is_foot(joint: str) -> bool:
     return joint.endswith(("_ankle", "_ball"))
 
 
-def _sole_paths(clip: Clip, character: Character) -> tuple[list[Array], list[int]]:
-    """World path of the lowest point of every sole sphere [m], (frames, 3), and its link."""
+def _paths(clip: Clip, character: Character, part: str) -> tuple[list[Array], list[int]]:
+    """World path [m] of the lowest point of every end of a contact shape, (frames, 3), and link.
+
+    `part` is "feet" (spheres) or "hands" (capsules, with their two ends).
+    """
     pose = clip.forward_kinematics()
-    points = sole_points(character)
+    points = sole_points(character) if part == "feet" else _hand_points(character)
     paths = [
         pose.positions[:, link]
         + rot.rotate(pose.rotations[:, link], center)
@@ -238,6 +268,19 @@ def _sole_paths(clip: Clip, character: Character) -> tuple[list[Array], list[int
         for link, center, radius in points
     ]
     return paths, [link for link, _, _ in points]
+
+
+def _hand_points(character: Character) -> list[tuple[int, Array, float]]:
+    """Link, center in the link frame [m] and radius [m] of both ends of the hands' capsules."""
+    return [
+        (i, shape.position + end * rot.rotate(shape.rotation, np.array([0.0, 0.0, 1.0])), radius)
+        for i, link in enumerate(character.links)
+        if link.joint.endswith("_wrist")
+        for shape in link.shapes
+        if shape.contact and shape.kind == "capsule"
+        for radius in [float(shape.size[0])]
+        for end in (-float(shape.size[1]), float(shape.size[1]))
+    ]
 
 
 def _sole_motion(
