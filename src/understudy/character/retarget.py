@@ -25,13 +25,18 @@ from understudy.motion.rotations import Array
 _SMOOTHING = 0.03
 
 
-def retargeted(clip: Clip, character: Character) -> Clip:
+def retargeted(clip: Clip, character: Character, *, actor: Character | None = None) -> Clip:
     """A clip on a character's skeleton (its joint names, its rest T-pose).
 
     The clip the character was made from, or any edit of it, goes over exactly. Another person's
     clip goes over by role: missing joints follow their parent, joints the body lacks are composed
     into the next outboard, the hips' path is scaled by leg length about where it starts, and the
     lowest sole stays as high over the floor as the actor's, in scale.
+
+    Args:
+        clip: Any clip.
+        character: Who is to perform it.
+        actor: Whose skeleton the clip is on, where that is known; found from the clip otherwise.
 
     Raises:
         InvalidValue: A clip of another skeleton for a character without roles, or the reverse.
@@ -42,6 +47,8 @@ def retargeted(clip: Clip, character: Character) -> Clip:
         return _own(clip, character)
     if not character.humanoid:
         return _by_name(clip, character)
+    if actor is not None and clip.skeleton == actor.skeleton:
+        return _performed(clip, actor, character)
     actor = Character.from_clip(clip)
     if not actor.humanoid:
         raise InvalidValue(

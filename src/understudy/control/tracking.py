@@ -176,6 +176,8 @@ class Tracking:
                 gains.set_orientation_gain(model, actuator, lock, 2.0 * np.sqrt(lock * own[j]))
                 continue
             gains.set_orientation_gain(model, actuator, strength * k[j], strength * kd[j])
+            if strength < 1.0:
+                self._stop(model, part.bodies[j + 1], link.role, link.motion_limit, j + 1)
             if strength == 0.0:
                 first = part.dofs.start + 6 + 3 * j
                 model.dof_damping[first : first + 3] = gains.LIMP_DAMPING * own[j]
@@ -243,6 +245,19 @@ class Tracking:
     def _root_frequency(self) -> tuple[float, float, float]:
         given = self.root_frequency
         return ROOT_FREQUENCY[self.pelvis] if given is None else given
+
+    def _stop(
+        self, model: mujoco.MjModel, body: int, role: str | None, limit: float | None, j: int
+    ) -> None:
+        """Stop a weak joint where people's joints end, or 10 degrees past where the clip goes."""
+        kind = (role or "").partition("_")[2]
+        limit = np.radians(gains.WEAK_STOPS[kind]) if kind in gains.WEAK_STOPS else limit
+        if limit is None:
+            return
+        widest = float(rot.angle(self.reference.rotations[:, j]).max()) + np.radians(10.0)
+        joint = model.body_jntadr[body]
+        model.jnt_limited[joint] = True
+        model.jnt_range[joint] = 0.0, min(max(limit, widest), np.pi)
 
     @property
     def _strengths(self) -> Array:
