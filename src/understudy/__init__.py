@@ -32,6 +32,7 @@ _HOMES = {
     "Scene": "scene",
     "Take": "take",
     "UnderstudyError": "errors",
+    "family": "family",
     "fetch": "motion.fetch",
     "load_take": "output",
     "read": "motion.read",

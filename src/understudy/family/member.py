@@ -1,0 +1,264 @@
+"""One member of a family: varied, simulated, scored and written."""
+
+from __future__ import annotations
+
+import base64
+import json
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from understudy.character.retarget import restored
+from understudy.errors import Diverged, UnderstudyError
+from understudy.evaluate.certificate import certificate
+from understudy.evaluate.measure import Measured, measured
+from understudy.evaluate.score import Score, score
+from understudy.family import cost as costs
+from understudy.family.casting import POSE_RATE, Part
+from understudy.motion.bvh_writer import write_bvh
+from understudy.motion.clip import Clip
+from understudy.motion.files import written
+from understudy.motion.rotations import Array
+from understudy.output.gltf import write_glb
+from understudy.performance import Performance
+from understudy.simulate import simulate
+from understudy.take import Take
+
+# A member left the floor when nothing touches it for this much longer than unvaried [s].
+_FLIGHT = 0.3
+# A member is held up when the outside force on its pelvis exceeds this mean [% of body weight].
+_HELD = 50.0
+FLAGS = {
+    "diverged": "the simulation blew up and is kept up to then",
+    "fell": "the root is 0.2 m below or 45 degrees off its part",
+    "left the floor": f"nothing touched the body for {_FLIGHT:g} s longer than unvaried",
+    "held up": f"the outside force on the pelvis exceeds {_HELD:.0f} % of body weight on average",
+}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Member:
+    """What became of one member; everything but the poses goes through JSON.
+
+    Attributes:
+        index: From 0; -1 for the unvaried performance.
+        name: Stem of its files.
+        kind: The preset it took, or "varied".
+        says: What was changed, one phrase each.
+        variation: The same as plain values.
+        flags: Keys of `FLAGS` that apply.
+        away_mm: Mean distance of joints from the unvaried performance [mm], worst moment aside.
+        cost: Per joint, see `understudy.family.cost`.
+        total: Sums of it.
+        certificate: See `understudy.evaluate.certificate`; without computing times.
+        duration: Simulated time [s].
+        poses: Points of the body at `POSE_RATE` [m], world, shape (frames, points, 3), float32.
+    """
+
+    index: int
+    name: str
+    kind: str
+    says: tuple[str, ...]
+    variation: dict[str, Any] = field(repr=False)
+    flags: tuple[str, ...]
+    away_mm: float
+    cost: dict[str, dict[str, float]] = field(repr=False)
+    total: dict[str, Any] = field(repr=False)
+    certificate: dict[str, Any] = field(repr=False)
+    duration: float
+    poses: Any = field(repr=False)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, without the poses."""
+        return {
+            "kind": "understudy family member",
+            "index": self.index,
+            "name": self.name,
+            "preset": self.kind,
+            "says": list(self.says),
+            "flags": list(self.flags),
+            "away_mm": self.away_mm,
+            "duration_s": self.duration,
+            "total": self.total,
+            "cost": self.cost,
+            "variation": self.variation,
+            "certificate": self.certificate,
+        }
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unvaried:
+    """The performance all members are compared with.
+
+    Attributes:
+        performance: As given, at the family's grip.
+        take: Its take.
+    """
+
+    performance: Performance
+    take: Take = field(repr=False)
+
+    @cached_property
+    def measures(self) -> Measured:
+        """Forces and contacts at the rate of the comparison."""
+        return measured(self.take, rate=costs.RATE)
+
+    @cached_property
+    def effort(self) -> costs.Effort:
+        """Forces and torques."""
+        return costs.effort(self.take, self.performance.duration, self.measures)
+
+    @cached_property
+    def flight(self) -> float:
+        """Longest time without contact [s]."""
+        return longest_flight(self.measures)
+
+    @cached_property
+    def poses(self) -> Array:
+        """Points of the body at `POSE_RATE` [m]."""
+        return poses_of(self.take)
+
+    @cached_property
+    def repaired(self) -> Clip | None:
+        """The captured clip as the performance took it."""
+        captured = self.take.captured[0]
+        return None if captured is None else captured.repaired()
+
+    def ready(self) -> None:
+        """Work out everything members share, so that threads find it done."""
+        _ = self.effort, self.flight, self.poses, self.repaired
+
+
+def performed(part: Part, unvaried: Unvaried, performance: Performance) -> tuple[Member, Take]:
+    """Vary, simulate and score one member."""
+    varied = part.variation(performance)
+    if part.index < 0:
+        take = unvaried.take
+    else:
+        try:
+            take = simulate(varied)
+        except Diverged as error:
+            if error.take is None:
+                raise
+            take = error.take
+    m = unvaried.measures if part.index < 0 else measured(take, rate=costs.RATE)
+    after = unvaried.effort if part.index < 0 else costs.effort(take, varied.duration, m)
+    cost = costs.changed(unvaried.effort, after)
+    found = score(take, measures=m)
+    poses = poses_of(take)
+    member = Member(
+        index=part.index,
+        name=part.name,
+        kind=part.kind,
+        says=tuple(str(p) for v in part.variation.parts for p in getattr(v, "parts", (v,))),
+        variation=part.variation.as_dict(),
+        flags=flags_of(take, found, m, unvaried),
+        away_mm=_away(poses, unvaried.poses, take.duration / max(varied.duration, 1e-9)),
+        cost=cost,
+        total=costs.total(cost),
+        certificate=_timeless(take, found, m),
+        duration=take.duration,
+        poses=poses,
+    )
+    return member, take
+
+
+def flags_of(take: Take, found: Score, m: Measured, unvaried: Unvaried) -> tuple[str, ...]:
+    """Which of `FLAGS` apply."""
+    out = []
+    if take.diverged is not None:
+        out.append("diverged")
+    if found.fell_s is not None:
+        out.append("fell")
+    if take.scene.ground is not None and longest_flight(m) > unvaried.flight + _FLIGHT:
+        out.append("left the floor")
+    if found.pelvis != "led" and found.root_force_mean_percent > _HELD:
+        out.append("held up")
+    return tuple(out)
+
+
+def longest_flight(m: Measured) -> float:
+    """Longest time in which nothing touches the first character [s]."""
+    touching = np.zeros(m.frames + 2, bool)
+    touching[[0, -1]] = True
+    touching[1 + m.contacts.frame[m.contacts.involving(m.performer(0).bodies)]] = True
+    return float((np.diff(np.flatnonzero(touching)) - 1).max() / m.rate)
+
+
+def poses_of(take: Take) -> Any:
+    """Joints, then ends, of the first character at `POSE_RATE` [m], (frames, points, 3)."""
+    pose = take.clip(rate=POSE_RATE).forward_kinematics()
+    return np.concatenate((pose.positions, pose.ends), axis=1).astype(np.float32)
+
+
+def _away(poses: Array, unvaried: Array, share: float) -> float:
+    at = np.linspace(0.0, min(share, 1.0) * (len(unvaried) - 1), len(poses)).round().astype(int)
+    return float(1e3 * np.linalg.norm(poses - unvaried[at], axis=2).mean())
+
+
+def _timeless(take: Take, found: Score, m: Measured) -> dict[str, Any]:
+    """The certificate without computing times, so that the same motion gives the same bytes."""
+    out = certificate(take, scores=(replace(found, real_time_factor=None),), measures=m)
+    out["facts"].pop("cpu_seconds", None)
+    return out
+
+
+# -- files ------------------------------------------------------------------------------------
+
+
+def write_member(member: Member, take: Take, folder: Path, unvaried: Unvaried) -> None:
+    """NAME.bvh, NAME.glb, NAME.poses.npz and, last, NAME.json."""
+    body, motion = take.scene.characters[0], take.clip()
+    stem = folder / member.name
+    captured = take.captured[0]
+    source = unvaried.repaired
+    if captured is not None and captured is not unvaried.take.captured[0]:
+        source = captured.repaired()
+    if source is not None and source.skeleton == body.source:
+        write_bvh(restored(motion, source, body), f"{stem}.bvh")
+    else:
+        write_bvh(motion, f"{stem}.bvh")
+    write_glb(motion, f"{stem}.glb", character=body)
+    with written(f"{stem}.poses.npz") as temporary:
+        np.savez(temporary, poses=member.poses)
+    text = json.dumps(member.as_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+    with written(f"{stem}.json") as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def kept_member(part: Part, folder: Path) -> Member | None:
+    """A member finished before, or None; one whose files are damaged is made again."""
+    stem = folder / part.name
+    if not all(Path(f"{stem}{kind}").exists() for kind in (".bvh", ".glb")):
+        return None
+    try:
+        saved = json.loads(Path(f"{stem}.json").read_text(encoding="utf-8"))
+        with np.load(f"{stem}.poses.npz", allow_pickle=False) as arrays:
+            poses = arrays["poses"]
+        if saved["variation"] != json.loads(json.dumps(part.variation.as_dict())):
+            return None
+        return Member(
+            index=saved["index"],
+            name=saved["name"],
+            kind=saved["preset"],
+            says=tuple(saved["says"]),
+            variation=saved["variation"],
+            flags=tuple(saved["flags"]),
+            away_mm=saved["away_mm"],
+            cost=saved["cost"],
+            total=saved["total"],
+            certificate=saved["certificate"],
+            duration=saved["duration_s"],
+            poses=poses,
+        )
+    except (OSError, ValueError, KeyError, TypeError, EOFError, UnderstudyError):
+        return None
+
+
+def packed(poses: Array, origin: Array) -> str:
+    """Poses as 16-bit millimeters from `origin`, base64."""
+    whole = np.round(1e3 * (np.asarray(poses, float) - origin))
+    return base64.b64encode(np.clip(whole, -32767, 32767).astype("<i2").tobytes()).decode("ascii")
