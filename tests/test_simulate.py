@@ -10,7 +10,7 @@ import pytest
 
 from bodies import INERTIA, LENGTH, MASS, Pinned, chain, still
 from understudy.control import Controls, PythonController, Tracking
-from understudy.errors import Diverged, InvalidValue
+from understudy.errors import ControllerFailed, Diverged, InvalidValue
 from understudy.motion import rotations as rot
 from understudy.performance import Performance
 from understudy.scene import Ground, Scene
@@ -297,3 +297,32 @@ def test_a_batch_refuses_feedback_and_mixed_sizes():
         simulate_many([replace(performance, controllers=(Push(),))])
     with pytest.raises(InvalidValue, match="same sizes"):
         simulate_many([performance, replace(performance, duration=0.2)])
+
+
+def test_controls_that_are_no_numbers_are_a_divergence():
+    def function(time: float, data: mujoco.MjData) -> None:
+        data.ctrl[:] = np.nan
+
+    performance = performance_of_a_wave()
+    bad = PythonController(function=function, period=0.01)
+    with pytest.raises(Diverged):
+        simulate(replace(performance, controllers=(*performance.controllers, bad)))
+
+
+def test_a_controller_that_raises_keeps_the_take_so_far():
+    def function(time: float, data: mujoco.MjData) -> None:
+        if time > 0.1:
+            raise RuntimeError("out of ideas")
+
+    performance = performance_of_a_wave()
+    tired = PythonController(function=function, period=0.01)
+    with pytest.raises(ControllerFailed, match="out of ideas") as caught:
+        simulate(replace(performance, controllers=(*performance.controllers, tired)))
+    assert caught.value.take.duration == pytest.approx(caught.value.time)
+    assert caught.value.time == pytest.approx(0.11, abs=0.01)
+
+
+@pytest.mark.parametrize("period", [0.0, -1.0, float("nan"), float("inf"), "a", None])
+def test_a_senseless_period_is_refused(period):
+    with pytest.raises(InvalidValue, match="period"):
+        PythonController(function=lambda time, data: None, period=period)

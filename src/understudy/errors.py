@@ -69,6 +69,23 @@ class Diverged(UnderstudyError):
         )
 
 
+class ControllerFailed(UnderstudyError):
+    """A controller written in Python raised an exception, which is the cause of this one.
+
+    Attributes:
+        time: Simulated time [s].
+        take: The take up to that moment.
+    """
+
+    def __init__(self, time: float, error: BaseException | None, take: Any = None):
+        self.time = time
+        self.take = take
+        super().__init__(
+            f"A controller raised {type(error).__name__} at {time:.3f} s ({error}); "
+            "the take up to then is kept."
+        )
+
+
 def require(module: str, *, extra: str) -> Any:
     """Import an optional module, or raise `MissingExtra` naming the extra that installs it."""
     try:

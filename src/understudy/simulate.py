@@ -29,7 +29,7 @@ from tqdm import tqdm
 
 from understudy.character import Character
 from understudy.control import Compiled, Controls, Drive, OpenLoop, PythonController
-from understudy.errors import Diverged, InvalidValue
+from understudy.errors import ControllerFailed, Diverged, InvalidValue
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
 from understudy.performance import Performance, tracked
@@ -41,6 +41,7 @@ _BAD = (
     mujoco.mjtWarning.mjWARN_BADQPOS,
     mujoco.mjtWarning.mjWARN_BADQVEL,
     mujoco.mjtWarning.mjWARN_BADQACC,
+    mujoco.mjtWarning.mjWARN_BADCTRL,
 )
 
 
@@ -52,7 +53,8 @@ def prepared(performance: Performance) -> tuple[mujoco.MjModel, mujoco.MjData]:
     data = mujoco.MjData(model)
     for controller in performance.controllers:
         controller.start(performance.scene, data)
-    mujoco.mj_forward(model, data)
+    with quiet_engine():
+        mujoco.mj_forward(model, data)
     return model, data
 
 
@@ -82,6 +84,7 @@ def simulate(performance: Performance, *, progress: bool = False) -> Take:
 
     Raises:
         Diverged: A state went bad. Carries the time, the link, and the take up to then.
+        ControllerFailed: A Python controller raised; carries the time and the take up to then.
         InvalidValue: A controller is of no known kind.
     """
     started = clock.process_time()
@@ -106,17 +109,22 @@ def simulate(performance: Performance, *, progress: bool = False) -> Take:
         run = _stepped(performance, model, data, feedback, ctrl, applied, states)
     done, bad = 0, False
     with (
-        _quiet(),
+        quiet_engine(),
         tqdm(
             total=performance.steps, unit="step", delay=2.0, disable=not progress, leave=False
         ) as bar,
     ):
-        for done in run:
-            bar.update(done - bar.n)
-            bad = any(data.warning[kind].number for kind in _BAD)
-            if bad or not np.isfinite(states[done]).all():
-                bad = True
-                break
+        try:
+            for done in run:
+                bar.update(done - bar.n)
+                bad = any(data.warning[kind].number for kind in _BAD)
+                if bad or not np.isfinite(states[done]).all():
+                    bad = True
+                    break
+        except _Raised as raised:
+            step, error = raised.step, raised.__cause__
+            take = _take(performance, model, states[: step + 1], ctrl, applied)
+            raise ControllerFailed(step * performance.scene.timestep, error, take) from error
     good = _good(states, done) if bad else performance.steps + 1
     take = _take(performance, model, states[:good], ctrl, applied)
     take.facts["cpu_seconds"] = clock.process_time() - started
@@ -183,7 +191,7 @@ def simulate_many(
     pool = [
         mujoco.MjData(models[0]) for _ in range(min(threads or os.cpu_count() or 1, len(models)))
     ]
-    with _quiet():
+    with quiet_engine():
         record = states[:, 1:].copy()
         mujoco.rollout.rollout(
             models,
@@ -269,25 +277,38 @@ def _stepped(
             functions.append((controller.function, max(1, round(controller.period / dt))))
         else:
             functions.append((_as_function(controller, performance, model), 1))
-    held_ctrl = [np.full(model.nu, np.nan) for _ in functions]
-    held_applied = [np.full(model.nv, np.nan) for _ in functions]
+    # What each function set when last asked: which entries, and to what.
+    held: list[tuple[Any, Any, Any, Any]] = [(False, 0.0, False, 0.0)] * len(functions)
     for step in range(len(ctrl)):
         mujoco.mj_step1(model, data)
         for i, (function, every) in enumerate(functions):
             data.ctrl[:], data.qfrc_applied[:] = ctrl[step], applied[step]
             if step % every == 0:
-                function(step * dt, data)
-                held_ctrl[i] = np.where(data.ctrl != ctrl[step], data.ctrl, np.nan)
-                held_applied[i] = np.where(
-                    data.qfrc_applied != applied[step], data.qfrc_applied, np.nan
+                try:
+                    function(step * dt, data)
+                except Exception as error:
+                    raise _Raised(step) from error
+                held[i] = (
+                    data.ctrl != ctrl[step],
+                    data.ctrl.copy(),
+                    data.qfrc_applied != applied[step],
+                    data.qfrc_applied.copy(),
                 )
-            ctrl[step] = np.where(np.isnan(held_ctrl[i]), ctrl[step], held_ctrl[i])
-            applied[step] = np.where(np.isnan(held_applied[i]), applied[step], held_applied[i])
+            set_ctrl, to_ctrl, set_applied, to_applied = held[i]
+            ctrl[step] = np.where(set_ctrl, to_ctrl, ctrl[step])
+            applied[step] = np.where(set_applied, to_applied, applied[step])
         data.ctrl[:], data.qfrc_applied[:] = ctrl[step], applied[step]
         mujoco.mj_step2(model, data)
         mujoco.mj_getState(model, data, states[step + 1], _STATE)
         if (step + 1) % CHUNK == 0 or step + 1 == len(ctrl):
             yield step + 1
+
+
+class _Raised(Exception):
+    """A controller's function raised an exception at a step."""
+
+    def __init__(self, step: int):
+        self.step = step
 
 
 def _as_function(
@@ -414,7 +435,7 @@ def _compiled(
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
+def quiet_engine() -> Iterator[None]:
     """Keep the engine from printing warnings and writing its log: the take says what happened."""
     previous = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _: None)

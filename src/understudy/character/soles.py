@@ -33,6 +33,7 @@ SLOW = 0.35  # A point in stance moves slower than this [m/s].
 LOW = 0.12  # And lies lower than this over the floor [m].
 MOST = 0.03  # Most a point moves in one round [m].
 ROUNDS = 3
+STANDS = 0.003  # A floor found this near z = 0 [m] is z = 0, and so is a foot moved by less.
 MOST_SHIFT = 0.1  # A foot further off than this is not there by accident [m].
 MOST_LIFT = 0.6  # Hands of a body with long arms may hang this far below the floor [m].
 PLANTED_HEIGHT = 0.03  # A sole point in stance is lower than this [m]
@@ -135,7 +136,7 @@ def planted(clip: Clip, character: Character) -> Clip:
             else:
                 shift = np.zeros((clip.frames, 3))
                 shift[:, 2] = _rise(-places[..., 2].min(axis=1), clip.rate, most=MOST_LIFT)
-            if np.abs(shift).max() < 0.001:
+            if np.abs(shift).max() < STANDS:
                 continue
             _move_end(clip, [joints.index(name) for name in names], shift, local, hinge)
             most[part] = max(most[part], float(np.linalg.norm(shift, axis=1).max()))
@@ -305,9 +306,15 @@ def _base(heights: Array, slow: np.ndarray) -> float:
 
 
 def _lowered(clip: Clip, floor: Array) -> Clip:
+    # A clip that stands within the contact's own depth stands already.
+    if np.abs(floor).max() < STANDS:
+        return clip
     path = np.array(clip.root_positions)
     path[:, 2] -= floor
-    return replace(clip, root_positions=path)
+    low, high = 1000.0 * floor.min(), 1000.0 * floor.max()
+    note = f"Set on the floor: lowered by {low:.0f} to {high:.0f} mm."
+    kept = tuple(n for n in clip.notes if not n.startswith("Set on the floor:"))
+    return replace(clip, root_positions=path, notes=(*kept, note))
 
 
 def _shared(character: Character, points: list[tuple[int, Array, float]], shifts: Array) -> Array:

@@ -19,6 +19,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import mujoco
 
+from understudy.errors import InvalidValue
 from understudy.motion.rotations import Array
 from understudy.scene import Scene
 
@@ -83,6 +84,12 @@ class PythonController:
 
     function: Callable[[float, mujoco.MjData], None]
     period: float = 1.0 / 120.0
+
+    def __post_init__(self) -> None:
+        if not callable(self.function):
+            raise InvalidValue(f"function is {self.function!r}; it must be callable.")
+        if not (isinstance(self.period, int | float) and 0.0 < self.period <= 1e3):
+            raise InvalidValue(f"period is {self.period!r} s; it must lie in 0 to 1000.")
 
     def configure(self, scene: Scene, model: mujoco.MjModel) -> None:
         """Leave the model as it is."""

@@ -23,6 +23,7 @@ from understudy.errors import InvalidValue
 from understudy.evaluate.contacts import Contacts, Integers, Recorder
 from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
+from understudy.simulate import quiet_engine
 
 if TYPE_CHECKING:
     from understudy.character import Character
@@ -30,9 +31,6 @@ if TYPE_CHECKING:
 
 # Straight on a joint's axis, or (orientation servos) on all axes of a ball joint.
 _ON_JOINTS = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_SO3))
-
-MEASURED_RATE = 120.0
-"""Frames per second measured unless told otherwise [Hz]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,10 +166,11 @@ class Measured:
         return np.stack(each, axis=1)
 
 
-def measured(take: Take, *, rate: float | None = MEASURED_RATE) -> Measured:
-    """Measure a take at about `rate` frames per second (None: at every step).
+def measured(take: Take, *, rate: float | None = None) -> Measured:
+    """Measure a take at every step, or at about `rate` frames per second.
 
-    The true rate is the take's own divided by a whole number.
+    Contact forces change from step to step, so means and peaks need every step; a rate is for a
+    quick look. The true rate is the take's own divided by a whole number.
 
     Raises:
         InvalidValue: The rate is not positive, or the take has no frames.
@@ -190,7 +189,8 @@ def measured_at(take: Take, steps: Integers, rate: float) -> Measured:
     model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
     data = mujoco.MjData(model)
     who = performers(take)
-    raw = _pass(take, model, data, steps, np.array([p.bodies[0] for p in who]))
+    with quiet_engine():
+        raw = _pass(take, model, data, steps, np.array([p.bodies[0] for p in who]))
     torque, power = _over_the_step(take, model, steps, raw)
     center = raw.centers[:, model.body_rootid]
     for array in (torque, power, raw.energy, raw.centers, raw.places, raw.turned, raw.resistance):
