@@ -8,6 +8,7 @@ import numpy as np
 
 from understudy.character import Character, Linkage, retargeted
 from understudy.character.body import SelfCollision
+from understudy.character.build import size_doubts
 from understudy.character.soles import planted, standing
 from understudy.control import Controller, Drive, Tracking
 from understudy.errors import InvalidValue
@@ -81,6 +82,9 @@ def tracked(
     """
     clean = clip.repaired()
     reference = planted(standing(retargeted(clean, character), character), character)
+    doubts = [note for note in size_doubts(character.height) if note in character.notes]
+    if doubts:
+        reference = reference.noted(*doubts)
     feet = any((link.role or "").endswith("_ankle") for link in character.links)
     if ground is None and feet:
         ground = Ground()
@@ -104,6 +108,7 @@ def driven(
     linkage: Linkage,
     *,
     law: str = "modern",
+    rate: float | None = None,
     gravity: float | None = None,
     scale: float = 1.0,
     substeps: int | None = None,
@@ -114,12 +119,14 @@ def driven(
 ) -> Performance:
     """The performance of rigid bodies driven along a clip (see `Drive`).
 
-    The clip is taken as it is, frame by frame; resample it first where another rate is wanted.
+    Under the modern law glitches of the clip are repaired first, because a bone that turns over in
+    one frame tears any joint open; the paper's law takes the clip as it is.
 
     Args:
         clip: The clip, on the linkage's skeleton.
         linkage: See `Linkage.from_clip`.
         law: "modern", or "paper" for exactly the published law.
+        rate: Frames per second to resample the clip to [Hz]; by default it keeps its own.
         gravity: Downward acceleration [m/s^2]; by default 9.81 for the modern law, and 9.81 of the
             linkage's units per second squared for the paper's.
         scale: Size of the paper's simulated model over the clip's. A model twice as large under the
@@ -138,21 +145,31 @@ def driven(
         raise InvalidValue(f"scale is {scale}; it must be a positive number.")
     if gravity is None:
         gravity = PAPER_GRAVITY * linkage.unit if law == "paper" else 9.81
+    reference = clip.repaired() if law == "modern" else clip
+    captured = clip.noted(*reference.notes[len(clip.notes) :])
+    if rate is not None:
+        reference = reference.resampled(rate)
     if substeps is None:
-        substeps = 1 if law == "paper" else max(1, int(np.ceil(DRIVE_RATE / clip.rate - 1e-6)))
+        substeps = 1 if law == "paper" else max(1, int(np.ceil(DRIVE_RATE / reference.rate - 1e-6)))
     if not 1 <= substeps <= 1000:
         raise InvalidValue(f"substeps is {substeps}; it must lie in 1 to 1000.")
     scene = Scene(
         characters=(linkage,),
         ground=ground,
-        timestep=1.0 / (clip.rate * substeps),
+        timestep=1.0 / (reference.rate * substeps),
         gravity=gravity / scale,
     )
-    drive = Drive(reference=clip, captured=clip, law=law, scale=scale, **settings)  # type: ignore[arg-type]
+    drive = Drive(
+        reference=reference,
+        captured=captured,
+        law=law,
+        scale=scale,
+        **settings,  # type: ignore[arg-type]
+    )
     drive.check(scene)
     return Performance(
         scene=scene,
         controllers=(drive,),
-        duration=clip.duration if duration is None else duration,
+        duration=reference.duration if duration is None else duration,
         seed=seed,
     )

@@ -243,16 +243,11 @@ class Linkage:
 
     @cached_property
     def ends(self) -> Array:
-        """Far end of every body in its own frame, where its joint lies [m], shape (joints, 3)."""
-        return -self.anchors
+        """Far end of every body in its own frame, where its joint lies [m], shape (joints, 3).
 
-    @cached_property
-    def measured_joints(self) -> tuple[int, ...]:
-        """For every body, the joint its error is measured at: its own, or for capsules the parent.
-
-        Equation 4 takes the center of mass of independent bodies and the parent end of capsules.
+        Equation 4 measures a body's error there; for spheres it is the center of mass.
         """
-        return self.oriented_as
+        return -self.anchors
 
     @cached_property
     def relative(self) -> Array:

@@ -40,7 +40,7 @@ PUBLISHED = {
 }
 # K_f times the time step at which the modern law runs by default, and from which an explicit step
 # is unstable: without and with the critically damped position term (2, and 4 sqrt(2) - 4).
-MODERN_GAIN_STEPS = 0.5
+MODERN_GAIN_STEPS = 0.8
 _LIMIT, _LIMIT_WITH_POSITION = 2.0, 4.0 * np.sqrt(2.0) - 4.0
 
 
@@ -54,7 +54,7 @@ class Drive:
         reference: The clip, on the linkage's skeleton.
         character: Which of the scene's characters.
         law: "modern" or "paper".
-        gain: K_f [1/s]; by default half of 1 / time step (modern) or the paper's for the linkage.
+        gain: K_f [1/s]; by default 0.8 / time step (modern) or the paper's for the linkage.
         order: Odd order n of the central differences, 3 to 19; by default 3 (modern) or the paper's.
         velocity_scale: K_vc over (frame rate x scale): 1 is the clip's own speed.
         scaling: K_v(j, f), shape (joints,) or (frames, joints); None is 1 everywhere.
@@ -219,12 +219,25 @@ class Drive:
     # -- Controller --------------------------------------------------------------------------
 
     def configure(self, scene: Scene, model: mujoco.MjModel) -> None:
-        """Check the gains; the model stays as it is.
+        """Check the gains; under the modern law make the joints as stiff as the step allows.
+
+        The paper's law keeps the engine's stiffest own setting, a time constant of two steps. For
+        bodies that move freely the constraint solver can take away a gap within one step: with
+        stiffness 1 / dt^2 and damping 1 / dt, a = -(x + dt v) / dt^2, which is just stable.
 
         Raises:
             InvalidValue: See `check` and `linkage`.
         """
         self.check(scene)
+        if self.law != "modern":
+            return
+        part, dt = scene.parts[self.character], scene.timestep
+        bodies = np.isin(model.eq_obj1id, part.bodies)
+        point = bodies & (model.eq_type == int(mujoco.mjtEq.mjEQ_CONNECT))
+        # The engine divides by the impedance's upper end, squared for the stiffness.
+        most = model.eq_solimp[point, 1]
+        model.eq_solref[point, 0] = -((most / dt) ** 2)
+        model.eq_solref[point, 1] = -most / dt
 
     def start(self, scene: Scene, data: mujoco.MjData) -> None:
         """Begin in the reference's first pose and at its velocity, locked joints as locked."""
