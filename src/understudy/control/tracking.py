@@ -176,8 +176,7 @@ class Tracking:
                 gains.set_orientation_gain(model, actuator, lock, 2.0 * np.sqrt(lock * own[j]))
                 continue
             gains.set_orientation_gain(model, actuator, strength * k[j], strength * kd[j])
-            if strength < 1.0:
-                self._stop(model, part.bodies[j + 1], link.role, link.motion_limit, j + 1)
+            self._stop(model, part.bodies[j + 1], link.role, link.motion_limit, j + 1)
             if strength == 0.0:
                 first = part.dofs.start + 6 + 3 * j
                 model.dof_damping[first : first + 3] = gains.LIMP_DAMPING * own[j]
@@ -249,7 +248,7 @@ class Tracking:
     def _stop(
         self, model: mujoco.MjModel, body: int, role: str | None, limit: float | None, j: int
     ) -> None:
-        """Stop a weak joint where people's joints end, or 10 degrees past where the clip goes."""
+        """Stop a joint where people's joints end, or 10 degrees past where the clip goes."""
         kind = (role or "").partition("_")[2]
         limit = np.radians(gains.WEAK_STOPS[kind]) if kind in gains.WEAK_STOPS else limit
         if limit is None:
