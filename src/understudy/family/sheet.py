@@ -97,7 +97,7 @@ def _strip(
         share = (k + 0.5) / _MOMENTS
         at = (size[0] * share, floor)
         for one, color in ((unvaried, _GHOST), (member, None)):
-            if one is unvaried and member is unvaried:
+            if color and one is member:  # nothing to compare the unvaried motion with
                 continue
             poses = one.poses
             frame = min(int(share * len(poses)), len(poses) - 1)

@@ -24,7 +24,7 @@ from understudy.variations.change import (
     rehearsed,
     tracking_of,
 )
-from understudy.variations.intent import said
+from understudy.variations.intent import said, spoken
 from understudy.variations.names import links_of
 
 _MOST_KG = 1e4
@@ -78,10 +78,10 @@ class Mass(Variation):
 
     def __str__(self) -> str:
         if self.by is not None:
-            return f"{self.link} weighs {said(self.by)} times as much"
+            return f"{spoken(self.link)}: mass x {said(self.by)}"
         if self.to is not None:
-            return f"{self.link} weighs {said(self.to)} kg"
-        return f"{self.link} weighs {said(self.share or 0.0)} of the body"
+            return f"{spoken(self.link)}: mass {said(self.to)} kg"
+        return f"{spoken(self.link)}: mass {said(self.share or 0.0)} of the body's"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +121,7 @@ class Length(Variation):
         return exchanged(performance, tracking, changed, scene=scene)
 
     def __str__(self) -> str:
-        return f"{self.link} is {said(self.by)} times as long"
+        return f"{spoken(self.link)}: length x {said(self.by)}"
 
 
 def _with_body(scene: Scene, which: int, body: Character) -> Scene:

@@ -118,7 +118,7 @@ class Scaling(Variation):
         if self.start is not None or self.end is not None:
             end = "the end" if self.end is None else f"{self.end:g} s"
             when = f" from {self.start or 0:g} s to {end}"
-        return f"{self.joint} moves {said(self.by)} times as much{when}"
+        return f"{spoken(self.joint)}: motion x {said(self.by)}{when}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,7 +151,7 @@ class Strength(Variation):
         return exchanged(performance, tracking, new)
 
     def __str__(self) -> str:
-        return f"{self.joint} has {said(self.by)} times its strength"
+        return f"{spoken(self.joint)}: strength x {said(self.by)}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,7 +169,7 @@ class Limp(Variation):
         return limp(performance)
 
     def __str__(self) -> str:
-        return f"{self.joint} is limp"
+        return f"{spoken(self.joint)}: limp"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,7 +217,7 @@ class Lock(Variation):
 
     def __str__(self) -> str:
         where = self.at if isinstance(self.at, str) else f"{np.degrees(self.at).round().tolist()}°"
-        return f"{self.joint} is locked ({where})"
+        return f"{spoken(self.joint)}: locked ({where})"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -250,7 +250,7 @@ class Speed(Variation):
         return exchanged(performance, tracking, new)
 
     def __str__(self) -> str:
-        return f"plays {said(self.by)} times as fast"
+        return f"speed x {said(self.by)}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -284,6 +284,11 @@ class Grip(Variation):
 
     def __str__(self) -> str:
         return f"grip {said(self.to)}"
+
+
+def spoken(name: str) -> str:
+    """A joint's name for a sentence."""
+    return name.replace("_", " ")
 
 
 def said(amount: Amount) -> str:

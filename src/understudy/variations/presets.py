@@ -40,7 +40,12 @@ PRESETS: dict[str, Together] = {
         Speed(by=(0.75, 0.95)),
         name="tired",
     ),
-    "limp_right_arm": Together(Limp(joint="right_arm"), name="limp_right_arm"),
+    "limp_right_arm": Together(
+        Limp(joint="right_arm"),
+        Mass(link="right_arm", by=(0.7, 1.5)),
+        Speed(by=(0.85, 1.2)),
+        name="limp_right_arm",
+    ),
     "heavy_boots": Together(
         Mass(link="left_foot", by=(4.0, 10.0)),
         Mass(link="right_foot", by=(4.0, 10.0)),
