@@ -15,6 +15,7 @@ from understudy.errors import InvalidValue, UnknownName
 from understudy.motion import rotations as rot
 from understudy.motion.figure import LINKS, ROLES
 from understudy.motion.skeleton import Skeleton
+from understudy.performance import tracked
 
 CLIP = moving(renamed(person(), DIALECTS["motionbuilder"]))
 
@@ -114,6 +115,22 @@ def test_height_comes_from_the_legs():
 def test_height_comes_from_whatever_limbs_there_are(gone):
     skeleton = renamed(without(person(height=1.6), *gone), DIALECTS["motionbuilder"])
     assert Character.from_clip(still(skeleton)).height == pytest.approx(1.6, rel=0.02)
+
+
+@pytest.mark.parametrize(("height", "doubted"), [(0.7, 1), (0.9, 0), (2.2, 0), (2.5, 1)])
+def test_a_person_of_unlikely_height_is_doubted_in_a_note(height, doubted):
+    character = Character.from_clip(still(person(height=height)))
+    notes = [note for note in character.notes if "check unit= (--unit)" in note]
+    assert len(notes) == doubted
+    assert all(f"{character.height:.2f} m tall" in note for note in notes)
+    clip = still(person(height=height))
+    reference = tracked(clip, character).controllers[0].reference
+    assert [note for note in reference.notes if note in notes] == notes
+
+
+def test_a_height_that_is_given_is_not_doubted():
+    character = Character.from_clip(still(person(height=0.7)), height=0.7)
+    assert not any("check unit" in note for note in character.notes)
 
 
 def test_a_wrong_unit_is_refused():

@@ -36,6 +36,8 @@ _LEGS = ("hip", "knee", "ankle", "ball")
 _SAMPLES = 500
 # Joint limits keep this far from the widest angle of the clip [rad].
 _LIMIT_MARGIN = np.radians(10.0)
+# Hardly a person stands outside this [m]; a wrong unit is likelier.
+_LIKELY = (0.8, 2.3)
 
 # Links that touch each other when a scene asks for it: hands and forearms against trunk, head,
 # thighs and each other; legs against each other. Neighbors never touch.
@@ -102,7 +104,9 @@ def from_clip(
     if not roles:
         return bone_character(clip, mass=mass, mapping=mapping, roles=roles, name=name)
     stance = neutral_stance(clip, roles)
+    given_height = height
     height, height_note = _stature(clip, roles, height)
+    doubts = size_doubts(height) if given_height is None else ()
     mass_note = f"Mass {mass:.1f} kg, given." if mass is not None else ""
     given_mass = mass
     if mass is None:
@@ -163,7 +167,7 @@ def from_clip(
         for a, b in _SELF_COLLISIONS
         if a in names and b in names and (a, b) not in neighbors and (b, a) not in neighbors
     )
-    notes = [height_note, mass_note, stance.note, *_fold_notes(bones)]
+    notes = [height_note, mass_note, *doubts, stance.note, *_fold_notes(bones)]
     character = Character(
         name=name or clip.name,
         links=tuple(links),
@@ -359,6 +363,14 @@ def _standing(links: list[Link], placed: list[Array], sole: float) -> Link:
     feet = [p[2] + sole for k, p in zip(links, placed, strict=True) if k.joint.endswith("ankle")]
     lowest = min(feet) if feet else min(float(p[2]) for p in placed)
     return replace(links[0], offset=np.array([0.0, 0.0, -lowest]))
+
+
+def size_doubts(height: float) -> tuple[str, ...]:
+    """A warning when hardly anybody is as tall as this [m], else nothing."""
+    low, high = _LIKELY
+    if low <= height <= high:
+        return ()
+    return (f"Stands {height:.2f} m tall: check unit= (--unit).",)
 
 
 def _stature(clip: Clip, roles: Roles, given: float | None) -> tuple[float, str]:
