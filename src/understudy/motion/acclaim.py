@@ -54,7 +54,9 @@ def read_acclaim(
     """
     checked_options(up, rate, t_pose)
     if Path(path).suffix.lower() == ".asf":
-        raise ClipError(path, "is only the skeleton; give the AMC file and pass this one as asf=.")
+        raise ClipError(
+            path, "is only the skeleton; give the AMC file and pass this one as asf= (--asf)."
+        )
     motion = file_bytes(path)
     beside = skeleton_file(path) if asf is None else Path(asf)
     figure = parsed_asf(file_bytes(beside), beside)
@@ -84,7 +86,7 @@ def skeleton_file(path: str | os.PathLike[str]) -> Path:
     raise ClipError(
         path,
         f"needs its skeleton, {stem.split('_')[0]}.asf, in the same folder (there: {listed}); "
-        "or pass asf=.",
+        "or pass asf= (--asf).",
     )
 
 
@@ -113,7 +115,9 @@ def parsed_amc(
     root = np.tile(np.array(figure.position), (frames, 1))
     notes: list[str] = []
     if rate is None:
-        notes.append(f"AMC files state no rate: {RATE:g} Hz assumed; pass rate= for another.")
+        notes.append(
+            f"AMC files state no rate: {RATE:g} Hz assumed; pass rate= (--rate) for another."
+        )
     for j, bone in enumerate(bones):
         rest = _turn(bone.order, np.array(bone.axis) * figure.radians)
         table = np.array(values.bones.get(bone.name, np.zeros((frames, 0))), float)

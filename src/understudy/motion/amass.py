@@ -162,8 +162,10 @@ def _rate(
             value = float(arrays[name].reshape(-1)[0])
             if 0.01 <= value <= 1e5:
                 return value
-            raise ClipError(path, f"{name!r} is {value:g}; pass rate= in frames per second.")
-    raise ClipError(path, "states no frame rate; pass rate= in frames per second.")
+            raise ClipError(
+                path, f"{name!r} is {value:g}; pass rate= (--rate) in frames per second."
+            )
+    raise ClipError(path, "states no frame rate; pass rate= (--rate) in frames per second.")
 
 
 def _height(rotations: Array, root: Array, sex: str) -> tuple[float, str]:
@@ -183,7 +185,7 @@ def _height(rotations: Array, root: Array, sex: str) -> tuple[float, str]:
         fits = np.percentile(root[some, 2] / np.maximum(-below, 1e-9), 10)
     if 1.4 <= fits <= 2.1:
         return float(fits), f"Height {fits:.2f} m: with it the feet reach the ground."
-    return usual, f"Height {usual} m assumed; pass height= for another."
+    return usual, f"Height {usual} m assumed; `read_amass` takes height= for another."
 
 
 def skeleton(height: float, sex: str) -> Skeleton:

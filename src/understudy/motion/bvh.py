@@ -140,7 +140,7 @@ def _rate(
     if rate is not None:
         return float(rate)
     if stated is None:
-        raise ClipError(path, "has no Frame Time; pass rate= in frames per second.")
+        raise ClipError(path, "has no Frame Time; pass rate= (--rate) in frames per second.")
     word, place = stated
     try:
         time = float(word)
@@ -149,11 +149,14 @@ def _rate(
     if not 1e-5 <= time <= 100.0:
         raise ClipError(
             path,
-            f"Frame Time {quoted(word)} must be a number of seconds; pass rate= to overrule it.",
+            f"Frame Time {quoted(word)} must be a number of seconds; pass rate= (--rate) to "
+            "overrule it.",
             line_of(data, place),
         )
     if time >= 1.0:
-        notes.append(f"Frame Time says {time:g} s a frame; if it is a rate, pass rate={time:g}.")
+        notes.append(
+            f"Frame Time says {time:g} s a frame; if it is a rate, pass rate={time:g} (--rate)."
+        )
     # 0.0083333 states 1/120 s in seven digits: the rate that rounds to the same digits is meant.
     digits = len(word.partition(b".")[2])
     for nominal in _RATES:

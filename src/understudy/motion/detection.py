@@ -221,7 +221,7 @@ def unit(shape: Shape, up: str, stated: float | None) -> tuple[float, str]:
     scale = float(f"{ADULT / height:.4g}")
     return scale, (
         f"Unit {scale:.4g} m: no standard unit fits, so the body is scaled to a person of "
-        f"{ADULT} m; pass unit= if it is not."
+        f"{ADULT} m; pass unit= (--unit) if it is not."
     )
 
 
@@ -262,11 +262,11 @@ def first_motion_frame(recording: Recording, rate: float, t_pose: str) -> tuple[
         if start.min() > fast:
             return blend, (
                 f"Dropped a T-pose and the blend out of it: the first {blend} frames "
-                f"({BLEND} s; t_pose='keep' keeps them)."
+                f"({BLEND} s; t_pose='keep', --t-pose keep, keeps them)."
             )
     return 1, (
         f"Dropped a T-pose before the motion: frame 0, {np.degrees(steps[0]):.0f} degrees from "
-        "frame 1 (t_pose='keep' keeps it)."
+        "frame 1 (t_pose='keep', --t-pose keep, keeps it)."
     )
 
 
@@ -306,7 +306,7 @@ def rate_notes(skeleton: Skeleton, rotations: Array, path: Array, rate: float) -
         if low < gravity < high and len(falls) >= least:
             return [
                 f"Flights fall with {gravity:.1f} m/s2 at {rate:g} Hz; with "
-                f"rate={rate * factor:g} it would be {gravity * factor**2:.1f}."
+                f"rate={rate * factor:g} (--rate) it would be {gravity * factor**2:.1f}."
             ]
     return []
 

@@ -205,7 +205,7 @@ class _Samples:
             raise ClipError(
                 self.path,
                 f"spans {end - start:g} s at {hertz:g} Hz, more than {MAX_FRAMES} frames; "
-                "check the times or pass rate=.",
+                "check the times or pass rate= (--rate).",
             )
         times = start + np.arange(int((end - start) * hertz + 1e-6) + 1) / hertz
         world = {role: self._at(role, times, *series[role], hertz) for role in series}

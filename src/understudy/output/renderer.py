@@ -16,6 +16,7 @@ from understudy.output.gl import GLRenderer, backend
 from understudy.output.software import SoftwareRenderer
 
 RENDERERS = ("auto", "opengl", "software")
+_OTHERWISE = "use renderer='software' (--renderer software)."
 
 
 class Renderer(Protocol):
@@ -82,7 +83,7 @@ def opened(
                 )
         except RuntimeError as error:
             if renderer == "opengl":
-                raise UnderstudyError(f"{error}; use renderer='software'.") from error
+                raise UnderstudyError(f"{error}; {_OTHERWISE}") from error
     if renderer == "opengl":
-        raise UnderstudyError("No OpenGL library draws on this machine; use renderer='software'.")
+        raise UnderstudyError(f"No OpenGL library draws on this machine; {_OTHERWISE}")
     return SoftwareRenderer(model, width, height, shadows=shadows, ghost_bodies=ghost_bodies)
