@@ -223,6 +223,22 @@ def test_errors_in_a_mapping_file_name_the_line(tmp_path, text, message):
         read_mapping(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ('[roles]\nleft_knee = "LeftLge"\n', 2),
+        ('[fold]\njoints = ["LeftLge"]\n', 2),
+        ('# "LeftLge" is not here\n[drop]\njoints = [\n  "LeftLeg", # thin\n  "LeftLge",\n]\n', 5),
+    ],
+)
+def test_a_joint_that_a_mapping_file_misspells_is_found_in_it(tmp_path, text, line):
+    path = tmp_path / "map.toml"
+    path.write_text(text)
+    clip = still(renamed(person(), DIALECTS["motionbuilder"]))
+    with pytest.raises(ClipError, match=rf"map.toml:{line}: No joint .*mean 'LeftLeg'"):
+        find_roles(clip, mapping=read_mapping(path))
+
+
 def test_a_missing_mapping_file_is_said(tmp_path):
     with pytest.raises(ClipError, match="cannot be read"):
         read_mapping(tmp_path / "none.toml")

@@ -32,11 +32,15 @@ class Mapping:
         roles: Clip joint for each role given.
         fold: Clip joints that never become a link.
         drop: Clip joints left out with everything outboard of them.
+        path: The file they were read from, or None.
+        lines: Line of that file for each joint that is named in it.
     """
 
     roles: dict[str, str] = field(default_factory=dict)
     fold: tuple[str, ...] = ()
     drop: tuple[str, ...] = ()
+    path: str | None = field(default=None, compare=False)
+    lines: dict[str, int] = field(default_factory=dict, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         for role in self.roles:
@@ -44,9 +48,19 @@ class Mapping:
                 raise UnknownName("role", role, ROLES)
 
     def check(self, skeleton: Skeleton) -> None:
-        """Raise `UnknownName` when a joint named here is not in the skeleton."""
+        """Check that the skeleton has every joint named here.
+
+        Raises:
+            UnknownName: It lacks one.
+            ClipError: It lacks one that a mapping file names; says on which line.
+        """
         for name in (*self.roles.values(), *self.fold, *self.drop):
-            skeleton.index(name)
+            try:
+                skeleton.index(name)
+            except UnknownName as error:
+                if self.path is None:
+                    raise
+                raise ClipError(self.path, str(error), self.lines.get(name)) from None
 
 
 def read_mapping(path: str | os.PathLike[str]) -> Mapping:
@@ -76,10 +90,15 @@ def read_mapping(path: str | os.PathLike[str]) -> Mapping:
             raise ClipError(
                 path, f"{role} is {joint!r}; it must be a joint's name.", _line(text, role)
             )
+    roles = _table(path, text, tables, "roles")
+    fold, drop = (_joints(path, text, tables, name) for name in ("fold", "drop"))
+    found = {joint: _line_naming(text, joint) for joint in (*roles.values(), *fold, *drop)}
     return Mapping(
-        roles=_table(path, text, tables, "roles"),
-        fold=_joints(path, text, tables, "fold"),
-        drop=_joints(path, text, tables, "drop"),
+        roles=roles,
+        fold=fold,
+        drop=drop,
+        path=os.fspath(path),
+        lines={joint: line for joint, line in found.items() if line is not None},
     )
 
 
@@ -103,6 +122,16 @@ def _joints(path: Any, text: str, tables: dict[str, Any], name: str) -> tuple[st
 
 def _unknown(path: Any, text: str, kind: str, name: str, valid: tuple[str, ...]) -> None:
     raise ClipError(path, str(UnknownName(kind, name, valid)), _line(text, name))
+
+
+def _line_naming(text: str, joint: str) -> int | None:
+    """Line on which a joint's name stands as a value, in quotes and outside a comment."""
+    for number, line in enumerate(text.splitlines(), 1):
+        key, sign, value = re.split(r"(?:^|\s)#", line)[0].partition("=")
+        said = value if sign else key
+        if f'"{joint}"' in said or f"'{joint}'" in said:
+            return number
+    return None
 
 
 def _line(text: str, key: str) -> int | None:
