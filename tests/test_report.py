@@ -119,3 +119,20 @@ def test_report_is_written_whole(take: Take, tmp_path: Path) -> None:
 def test_a_body_that_cannot_be_seen_still_has_a_report() -> None:
     text = report_html(led(chain(3)))
     assert "No picture" in text and "rod1 joint" in text
+
+
+def test_a_body_that_fell_is_headed_by_its_fall() -> None:
+    body = adult_woman()
+    high = still(body, seconds=0.4)
+    tracking = Tracking(reference=high, captured=high, pelvis="free")
+    scene = Scene(characters=(body,), ground=None)
+    take = simulate(Performance(scene=scene, controllers=(tracking,), duration=0.4))
+    page = report_html(take)
+    assert re.search(r'<div class="verdict held"><b>It fell at 0\.2\d s</b>', page)
+    assert "ully physical" not in page.split("</header>")[0]
+
+
+def test_report_speaks_plainly(page: str) -> None:
+    assert "ball of left foot" in page and "left ball" not in page
+    assert "inverse_dynamics" not in page
+    assert " /s²" in page

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from understudy.errors import InvalidValue
-from understudy.evaluate.certificate import certificate, scored, statement
+from understudy.evaluate.certificate import FULLY_PHYSICAL, scored, statement, verdict
 from understudy.evaluate.chart import SCRIPT, STYLE
 from understudy.evaluate.measure import Measured, measured
 from understudy.evaluate.plots import all_charts
 from understudy.evaluate.score import Score
+from understudy.motion.figure import plain_name
 from understudy.motion.files import written
 from understudy.output.player import player_html
 
@@ -66,25 +67,21 @@ def _text(value: object) -> str:
 
 
 def _header(take: Take, name: str, scores: Sequence[Score]) -> str:
-    found = certificate(take, scores=tuple(scores))
-    verdict = "Fully physical" if found["fully_physical"] else "Not fully physical"
-    fallen = any(s.fell_s is not None for s in scores)
-    if fallen:
-        verdict += ", and it fell" if not found["fully_physical"] else ", but it fell"
-    kind = "good" if found["fully_physical"] and not fallen else "held"
+    heading = "; ".join(dict.fromkeys(verdict(s) for s in scores))
+    kind = "good" if heading == FULLY_PHYSICAL else "held"
     words = "".join(
         f"<p>{f'<b>{_text(s.character)}.</b> ' if len(scores) > 1 else ''}{_text(statement(s))}</p>"
         for s in scores
     )
     return (
         f'<header><p class="kicker">Simulated performance, {take.duration:.2f} s</p>'
-        f'<h1>{_text(name)}</h1><div class="verdict {kind}"><b>{verdict}</b>{words}</div></header>'
+        f'<h1>{_text(name)}</h1><div class="verdict {kind}"><b>{heading}</b>{words}</div></header>'
     )
 
 
 def _player(take: Take, name: str) -> str:
     try:
-        page = player_html(take, title=name, autoplay=False)
+        page = player_html(take, title=name)
     except InvalidValue as error:  # a body without any visible shape
         return f'<p class="player">No picture: {_text(error)}</p>'
     return (
@@ -194,7 +191,7 @@ def _clip_penetration(s: Score) -> str:
 def _effort_tiles(s: Score) -> list[Tile]:
     tiles: list[Tile] = []
     if s.torque_peak_joint is not None:
-        where = s.torque_peak_joint.replace("_", " ")
+        where = plain_name(s.torque_peak_joint)
         tiles += [
             (
                 "Joint torque",
@@ -244,7 +241,7 @@ def _joints(s: Score) -> str:
 
     rows = [
         (
-            name.replace("_", " "),
+            plain_name(name),
             cell(s.joint_errors_deg, name, 2),
             cell(s.torque_means_nm, name, 1),
             cell(s.torque_peaks_nm, name, 1),
@@ -269,7 +266,7 @@ def _contacts(m: Measured, character: int) -> str:
         slip = float(np.sum(normal * table.slip[mine]) / max(normal.sum(), 1e-12))
         rows.append(
             (
-                link.replace("_", " "),
+                plain_name(link),
                 f"{seconds:.2f}",
                 f"{force.max():.0f}",
                 f"{force.sum() / m.rate:.1f}",
@@ -315,15 +312,23 @@ def _footer(take: Take, scores: Sequence[Score]) -> str:
         **scores[0].versions,
     }
 
-    def shown(value: object) -> str:
-        return f"{value:.4g}" if isinstance(value, float) else str(value)
+    def shown(key: str, value: object) -> str:
+        if isinstance(value, float):
+            return f"{value:.4g}{_FACT_UNITS.get(key, '')}"
+        return str(value).replace("_", " ")
+
+    def named(key: str) -> str:
+        return _FACT_NAMES.get(key, key.replace("_", " "))
 
     items = "".join(
-        f"<div><dt>{_text(key.replace('_', ' '))}</dt><dd>{_text(shown(value))}</dd></div>"
+        f"<div><dt>{_text(named(key))}</dt><dd>{_text(shown(key, value))}</dd></div>"
         for key, value in facts.items()
     )
     return f'<footer><h2>How it was made</h2><dl class="facts">{items}</dl></footer>'
 
+
+_FACT_NAMES = {"cpu_seconds": "processor time"}
+_FACT_UNITS = {"stiffness": " /s²", "damping_time": " s", "cpu_seconds": " s"}
 
 _PAGE = """<!doctype html>
 <html lang="en">

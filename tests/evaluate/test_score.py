@@ -10,9 +10,10 @@ import pytest
 from small_takes import STEP, body_spec, simulated
 
 from understudy.evaluate import certificate, measured, score, write_certificate
-from understudy.evaluate.certificate import SCHEMA, statement
+from understudy.evaluate.certificate import SCHEMA, statement, verdict
 from understudy.evaluate.feet import kinematic_slide
 from understudy.evaluate.score import Score, motion
+from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 
 
@@ -112,6 +113,68 @@ def test_a_body_far_below_its_clip_has_fallen() -> None:
     # Free fall by 0.2 m takes sqrt(2 h / g).
     assert s.fell_s == pytest.approx(np.sqrt(2 * 0.2 / 9.81), abs=0.01)
     assert "lost its balance" in statement(s)
+    assert s.fully_physical
+    assert statement(s).startswith("It fell at 0.2")
+    assert "fully physical" not in statement(s).lower()
+    assert verdict(s).startswith("It fell at 0.2")
+
+
+def held(**changes: Any) -> Score:
+    """The score of a body on a floor, helped by a little force."""
+    usual = {
+        "character": "box",
+        "duration_s": 10.0,
+        "frame_rate_hz": 100.0,
+        "pelvis": "assisted",
+        "root_force_mean_percent": 3.0,
+        "root_force_peak_percent": 9.0,
+        "flight_s": 0.5,
+    }
+    return Score(**(usual | changes))
+
+
+def test_a_clip_off_the_floor_is_said_to_be_off_the_floor() -> None:
+    assert "floor" not in statement(held())
+    said = statement(held(flight_s=8.6, root_support_percent=80.0))
+    assert "leaves the floor for 8.6 s of 10.0 s: its height drifts" in said
+    assert "not in the scene" in said
+
+
+def test_a_root_that_carries_much_weight_is_explained() -> None:
+    assert "The feet carry" not in statement(held(root_support_percent=15.0))
+    assert "The feet carry only 70 % of the weight" in statement(held(root_support_percent=30.0))
+
+
+def test_a_body_without_a_floor_is_not_said_to_leave_it() -> None:
+    said = statement(held(flight_s=None, pelvis="led", root_support_percent=100.0))
+    assert "floor" not in said and "feet" not in said
+
+
+def test_the_furthest_joint_is_named_with_its_time() -> None:
+    far = {"joint_error_peak_joint": "left_ball", "joint_error_peak_s": 2.5}
+    assert "Furthest" not in statement(held(joint_error_peak_deg=44.0, **far))
+    assert "Furthest from the clip: ball of left foot, 61 degrees at 2.50 s." in statement(
+        held(joint_error_peak_deg=61.0, **far)
+    )
+    assert "left_ball at 2.50 s" in str(held(joint_error_peak_deg=61.0, **far))
+
+
+def test_the_peak_error_is_where_and_when_the_joint_was_furthest(standing: Any) -> None:
+    take = simulated(body_spec(servo=200.0), 0.5, qpos=[0, 0, 0.05])
+    turned = np.array(take.qpos[:, 3:].reshape(len(take.qpos), -1, 4))
+    turned[100, 1] = rot.multiply(rot.from_rotvec(np.array([1.2, 0.0, 0.0])), turned[100, 1])
+    take.references = (
+        Clip(
+            skeleton=take.scene.characters[0].skeleton,
+            rotations=turned,
+            root_positions=take.qpos[:, :3],
+            rate=take.rate,
+        ),
+    )
+    s = score(take)
+    assert s.joint_error_peak_deg == pytest.approx(np.degrees(1.2), rel=1e-3)
+    assert s.joint_error_peak_joint == "shoulder"
+    assert s.joint_error_peak_s == pytest.approx(take.times[100])
 
 
 def test_torque_is_compared_with_human_strength() -> None:

@@ -94,6 +94,6 @@ def test_hand_speeds_of_a_captured_gesture_agree(clips: Path) -> None:
     assert [c.title for c in charts] == ["Left hand speed", "Right hand speed"]
     for chart in charts:
         peaks = {s.name: float(s.y[3:-3].max()) for s in chart.series}
-        assert set(peaks) == {"simulated", "kinematic", "captured"}
+        assert set(peaks) == {"simulated", "reference", "captured"}
         # Zordan & Hodgins 1999, section 6: peak values similar to the raw hand's.
         assert peaks["simulated"] == pytest.approx(peaks["captured"], rel=0.2)

@@ -7,7 +7,8 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from understudy.evaluate.measure import Measured, measured
-from understudy.evaluate.score import Score, score, versions
+from understudy.evaluate.score import FAR_OFF, Score, score, versions
+from understudy.motion.figure import plain_name
 from understudy.motion.files import written
 
 if TYPE_CHECKING:
@@ -15,6 +16,14 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 """Grows when a key changes its meaning or goes; new keys do not change it."""
+
+
+LONG_FLIGHT = 0.3
+"""A held body without contact for more than this share of the time does not stand by itself."""
+HEAVY_SUPPORT = 20.0
+"""A root that carries more than this of the weight [%] says that the feet cannot."""
+FULLY_PHYSICAL = "Fully physical"
+"""The verdict on a body that nothing but contact holds, and that did not fall."""
 
 
 def certificate(
@@ -74,26 +83,66 @@ def write_certificate(take: Take, path: str | PathLike[str]) -> None:
 
 
 def statement(s: Score) -> str:
-    """In words, what holds the body up and whether the motion is fully physical."""
+    """In words: whether it fell, what holds the body up, what the clip asks that is not there."""
+    parts = [_held(s), _unheld(s), _furthest(s)]
+    if s.fell_s is not None:
+        parts.insert(0, f"It fell at {s.fell_s:.2f} s: from then on it is away from the clip.")
+    if s.diverged_s is not None:
+        parts.append(f"The simulation diverged at {s.diverged_s:.3f} s and is kept up to then.")
+    return " ".join(filter(None, parts))
+
+
+def verdict(s: Score) -> str:
+    """The same in a few words, for a heading."""
+    if s.fell_s is not None:
+        return f"It fell at {s.fell_s:.2f} s"
+    return FULLY_PHYSICAL if s.fully_physical else "Not fully physical"
+
+
+def _held(s: Score) -> str:
     force = (
         f"{_percent(s.root_force_mean_percent)} of body weight on average "
         f"(peak {_percent(s.root_force_peak_percent)})"
     )
     carried = f"carries {_percent(s.root_support_percent)} of the weight"
     if s.pelvis == "led":
-        text = (
+        return (
             f"The pelvis is led along the clip by an outside force of {force} that {carried}: "
             "the other links are simulated, balance is not."
         )
-    elif s.fully_physical:
-        text = "Nothing but contact holds the body: fully physical, no force on the root."
-    else:
-        text = f"An outside force on the root of {force} helps and {carried}: not fully physical."
+    if not s.fully_physical:
+        return f"An outside force on the root of {force} helps and {carried}: not fully physical."
     if s.fell_s is not None:
-        text += f" It lost its balance: at {s.fell_s:.2f} s it had fallen away from the clip."
-    if s.diverged_s is not None:
-        text += f" The simulation diverged at {s.diverged_s:.3f} s and is kept up to then."
-    return text
+        return "Nothing but contact holds the body; it lost its balance."
+    return "Nothing but contact holds the body: fully physical, no force on the root."
+
+
+def _unheld(s: Score) -> str:
+    """What it means when a body that has a floor is mostly off it, or is carried from above."""
+    if s.flight_s is None or s.fully_physical:
+        return ""
+    if s.flight_s > LONG_FLIGHT * s.duration_s:
+        return (
+            f"The clip leaves the floor for {s.flight_s:.1f} s of {s.duration_s:.1f} s: its height "
+            "drifts, or it stands on something that is not in the scene."
+        )
+    if s.root_support_percent > HEAVY_SUPPORT:
+        return (
+            f"The feet carry only {max(0.0, 100.0 - s.root_support_percent):.0f} % of the weight: "
+            "the clip's height drifts, it leans or stands on something that is not in the scene, "
+            "or this body is not strong enough."
+        )
+    return ""
+
+
+def _furthest(s: Score) -> str:
+    if s.joint_error_peak_deg is None or s.joint_error_peak_deg <= FAR_OFF:
+        return ""
+    joint = plain_name(s.joint_error_peak_joint or "")
+    return (
+        f"Furthest from the clip: {joint}, {s.joint_error_peak_deg:.0f} degrees at "
+        f"{s.joint_error_peak_s:.2f} s."
+    )
 
 
 def _percent(value: float) -> str:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from understudy.errors import InvalidValue, require
+from understudy.motion.figure import plain_name
 from understudy.motion.files import written
 from understudy.motion.rotations import Array
 
@@ -272,7 +273,7 @@ def _bars_html(bars: Bars) -> str:
         over = " over" if np.isfinite(mark) and value > mark else ""
         beside = f" of {mark:.0f}" if np.isfinite(mark) else ""
         rows.append(
-            f'<tr><th scope="row">{text(name.replace("_", " "))}</th><td class="bar">'
+            f'<tr><th scope="row">{text(plain_name(name))}</th><td class="bar">'
             f'<i class="fill{over}" style="width:{100 * value / top:.2f}%"></i>{limit}</td>'
             f'<td class="value">{value:.1f}<small>{beside}</small></td></tr>'
         )

@@ -11,6 +11,7 @@ from understudy.evaluate.chart import Bars, Chart, Series
 from understudy.evaluate.measure import Measured
 from understudy.evaluate.score import motion
 from understudy.motion.clip import Clip
+from understudy.motion.figure import plain_name
 from understudy.motion.rotations import Array
 
 if TYPE_CHECKING:
@@ -29,10 +30,10 @@ def joint_error(take: Take, m: Measured, character: int = 0) -> Chart | None:
     lines = []
     if angles.shape[1]:
         worst = int(np.argmax(np.mean(angles**2, axis=0)))
-        name = m.performer(character).joints[1 + worst].replace("_", " ")
+        name = m.performer(character).joints[1 + worst]
         lines = [
             Series(name="all joints (rms)", x=found.times, y=np.sqrt(np.mean(angles**2, axis=1))),
-            Series(name=f"{name} (largest)", x=found.times, y=angles[:, worst]),
+            Series(name=f"{plain_name(name)} (largest)", x=found.times, y=angles[:, worst]),
         ]
     lines.append(Series(name="root", x=found.times, y=np.degrees(found.root_angles)))
     return Chart(
@@ -47,13 +48,16 @@ def joint_error(take: Take, m: Measured, character: int = 0) -> Chart | None:
 
 
 def hand_speed(take: Take, m: Measured, character: int = 0) -> tuple[Chart, ...]:
-    """Speed of each hand in the captured, the kinematic and the simulated motion.
+    """Speed of each hand in the clip as it was read, in the reference and as simulated.
 
-    The comparison of Zordan & Hodgins 1999, figure 6: captured is the hand's joint in the clip as
-    it was read, kinematic is playback of the tracked clip on the character, simulated is the take.
+    The comparison of Zordan & Hodgins 1999, figure 6: captured (made, where the clip was made) is
+    the hand's joint in the clip as it was read; the reference, the paper's kinematic motion, is the
+    prepared clip played back on the character; simulated is the take.
     """
     who = m.performer(character)
     charts = []
+    reference, captured = take.references[character], take.captured[character]
+    read = "made" if captured is not None and captured.synthetic else "captured"
     for side in ("left", "right"):
         role = f"{side}_wrist"
         link = next((k for k, x in enumerate(who.character.links) if x.role == role), None)
@@ -64,20 +68,19 @@ def hand_speed(take: Take, m: Measured, character: int = 0) -> tuple[Chart, ...]
                 name="simulated", x=m.times, y=_speed(m.body_positions[:, who.bodies[link]], m.rate)
             )
         ]
-        reference, captured = take.references[character], take.captured[character]
         if reference is not None:
             path = reference.forward_kinematics().positions[:, link]
-            lines.append(_upto(take, "kinematic", reference, path))
+            lines.append(_upto(take, "reference", reference, path))
         joint = getattr(who.character.links[link], "origin_joint", None)
         if captured is not None and joint in captured.skeleton.names:
             path = captured.forward_kinematics().positions[:, captured.skeleton.index(joint)]
-            lines.append(_upto(take, "captured", captured, path))
+            lines.append(_upto(take, read, captured, path))
         charts.append(
             Chart(
                 title=f"{side.capitalize()} hand speed",
-                caption="Speed of the wrist in the world: captured (the clip as read), kinematic "
-                "(playback of the tracked clip on the character) and simulated; compare Zordan & "
-                "Hodgins 1999, figure 6.",
+                caption=f"Speed of the wrist in the world: {read} (the clip as read), reference "
+                "(the prepared clip on the character) and simulated; compare Zordan & Hodgins "
+                "1999, figure 6.",
                 x_label=_TIME,
                 y_label="Speed [m/s]",
                 series=tuple(lines),

@@ -21,6 +21,8 @@ FALLEN_DROP, FALLEN_ANGLE = 0.2, np.radians(45.0)
 """A body whose root is this much lower [m] or turned by this much from the clip's has fallen."""
 HELD = 0.5
 """A root force below this share of body weight, on average and at its peak, counts as none [%]."""
+FAR_OFF = 45.0
+"""A joint this far from the clip's [deg] is named: something was in its way."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +41,9 @@ class Score:
         joint_error_deg: Root mean square over joints (not the root) and time [deg].
         joint_error_median_deg: Median over joints and time [deg].
         joint_errors_deg: Root mean square over time, per joint [deg].
+        joint_error_peak_deg: Largest angle of any joint at any time [deg].
+        joint_error_peak_joint: Where it occurred.
+        joint_error_peak_s: When it occurred [s].
         joint_position_mm: Mean distance of joints from the reference's, world [mm].
         joint_position_aligned_mm: The same seen from each motion's own root [mm].
         hands_mm: Mean distance of the hands' ends [mm].
@@ -86,6 +91,9 @@ class Score:
     joint_error_deg: float | None = None
     joint_error_median_deg: float | None = None
     joint_errors_deg: dict[str, float] = field(default_factory=dict, repr=False)
+    joint_error_peak_deg: float | None = None
+    joint_error_peak_joint: str | None = None
+    joint_error_peak_s: float | None = None
     joint_position_mm: float | None = None
     joint_position_aligned_mm: float | None = None
     hands_mm: float | None = None
@@ -195,7 +203,11 @@ def _tracking(take: Take, m: Measured, who: Performer) -> dict[str, Any]:
         "root_rotation_deg": _rms(np.degrees(found.root_angles)),
     }
     if angles.shape[1]:
+        frame, worst = np.unravel_index(int(np.argmax(angles)), angles.shape)
         out |= {
+            "joint_error_peak_deg": float(angles[frame, worst]),
+            "joint_error_peak_joint": skeleton.names[1 + int(worst)],
+            "joint_error_peak_s": float(found.times[frame]),
             "joint_error_deg": _rms(angles),
             "joint_error_median_deg": float(np.median(angles)),
             "joint_errors_deg": {
@@ -348,11 +360,20 @@ def _table(s: Score) -> str:
     """A score for a terminal: one figure per line, what does not exist left out."""
     rows: list[tuple[str, str]] = []
 
-    def row(label: str, text: str, *values: float | None) -> None:
+    def row(label: str, text: str, *values: float | str | None) -> None:
         if all(value is not None for value in values):
             rows.append((label, text.format(*values)))
 
+    row("fell", "at {:.2f} s", s.fell_s)
     row("joint error", "{:.2f} deg rms, {:.2f} median", s.joint_error_deg, s.joint_error_median_deg)
+    if s.joint_error_peak_deg is not None and s.joint_error_peak_deg > FAR_OFF:
+        row(
+            "furthest joint",
+            "{:.0f} deg, {} at {:.2f} s",
+            s.joint_error_peak_deg,
+            s.joint_error_peak_joint,
+            s.joint_error_peak_s,
+        )
     row(
         "joint position",
         "{:.1f} mm, {:.1f} seen from the root",
@@ -408,9 +429,10 @@ def _table(s: Score) -> str:
             s.torque_peak_nm,
         )
         row("joint power", "{:.0f} W mean, {:.0f} peak", s.power_mean_w, s.power_peak_w)
+    if s.flight_s is not None and s.flight_s >= 0.005:
+        row("flight", "{:.2f} s without any contact", s.flight_s)
     row("energy drift", "{:.2f} % in flight", s.energy_drift_percent)
     row("speed", "{:.0f} x real time", s.real_time_factor)
-    row("fell", "at {:.2f} s", s.fell_s)
     row("diverged", "at {:.3f} s", s.diverged_s)
     title = f"{s.character}: {s.clip or 'no clip'}, {s.duration_s:.2f} s"
     width = max(len(label) for label, _ in rows)

@@ -84,6 +84,13 @@ _HALF_HIPS = {"male": 0.049, "female": 0.053}
 _HALF_SHOULDERS = {"male": 0.104, "female": 0.098}
 
 
+def plain_name(name: str) -> str:
+    """A joint's or link's name as a person says it: `left_ball` is the ball of the left foot."""
+    if name in ("left_ball", "right_ball"):
+        return f"ball of {name.partition('_')[0]} foot"
+    return name.replace("_", " ")
+
+
 def figure(height: float = 1.75, sex: str = "male") -> Skeleton:
     """A person's skeleton in a neutral T-pose, feet flat on z = 0, facing +x.
 
