@@ -15,6 +15,7 @@ from understudy.motion import rotations as rot
 from understudy.performance import Performance
 from understudy.scene import Ground, Scene
 from understudy.simulate import open_loop_controls, prepared, simulate, simulate_many
+from understudy.take import Take
 
 SWING = MASS * LENGTH**2 + INERTIA  # Moment of inertia about the joint [kg m^2].
 
@@ -291,12 +292,24 @@ def test_dense_and_sparse_jacobians_agree_for_two_bodies_on_the_ground():
     np.testing.assert_allclose(states[0], states[1], atol=1e-6)
 
 
-def test_a_batch_refuses_feedback_and_mixed_sizes():
+def test_a_batch_refuses_python_and_mixed_sizes():
     performance = performance_of_a_wave()
+    python = PythonController(function=lambda time, data: None)
     with pytest.raises(InvalidValue, match="open-loop"):
-        simulate_many([replace(performance, controllers=(Push(),))])
+        simulate_many([replace(performance, controllers=(python,))])
     with pytest.raises(InvalidValue, match="same sizes"):
         simulate_many([performance, replace(performance, duration=0.2)])
+
+
+def test_compiled_laws_run_as_a_batch_bit_for_bit():
+    performance = performance_of_a_wave()
+    performance = replace(performance, controllers=(*performance.controllers, Push()))
+    runs = [performance, replace(performance, duration=0.2)]
+    alone = [simulate(run) for run in runs]
+    for threads in (1, 2):
+        for take, single in zip(simulate_many(runs, threads=threads), alone, strict=True):
+            assert isinstance(take, Take)
+            np.testing.assert_array_equal(take.qpos, single.qpos)
 
 
 def test_controls_that_are_no_numbers_are_a_divergence():

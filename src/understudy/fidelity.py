@@ -187,7 +187,7 @@ def drive_forces(take: Take, character: int = 0) -> DriveForces:
     """
     linkage, part = _linkage(take, character), take.scene.parts[character]
     steps = max(take.frames - 1, 1)
-    placed, turned = linkage.poses(take.qpos[:steps, part.qpos])
+    _, turned = linkage.poses(take.qpos[:steps, part.qpos])
     if linkage.kind != "tree":
         both = take.qfrc_applied[:steps, part.dofs].reshape(steps, len(linkage), 6)
         force, torque = np.array(both[..., :3]), rot.rotate(turned, both[..., 3:])
@@ -208,7 +208,9 @@ def _tree_forces(take: Take, character: int, steps: int) -> tuple[Array, Array]:
     import mujoco
 
     controllers = [] if take.performance is None else take.performance.controllers
-    drive = next((c for c in controllers if isinstance(c, Drive) and c.character == character), None)
+    drive = next(
+        (c for c in controllers if isinstance(c, Drive) and c.character == character), None
+    )
     if drive is None:
         raise InvalidValue("Forces on a tree's bodies need the performance, which files leave out.")
     _, parameters, memory = drive.feedback(take.scene, take.model)

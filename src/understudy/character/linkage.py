@@ -102,7 +102,9 @@ class Linkage:
             raise InvalidValue(f"Bodies of kind {self.kind!r} have no joints that can be locked.")
         for lock in self.locks:
             if not self.skeleton.children(self.skeleton.index(lock.joint)):
-                raise InvalidValue(f"No bone begins at {lock.joint!r}; nothing there can be locked.")
+                raise InvalidValue(
+                    f"No bone begins at {lock.joint!r}; nothing there can be locked."
+                )
         if len({lock.joint for lock in self.locks}) < len(self.locks):
             raise InvalidValue("A joint is locked twice; give it one lock with all its axes.")
 
@@ -185,6 +187,11 @@ class Linkage:
     def names(self) -> tuple[str, ...]:
         """Names of the bodies: those of their joints."""
         return self.skeleton.names
+
+    @property
+    def source(self) -> Skeleton:
+        """Skeleton of the clip it was made from, all of which it has."""
+        return self.skeleton
 
     @property
     def mass(self) -> float:

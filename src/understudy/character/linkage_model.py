@@ -51,7 +51,10 @@ def spec(linkage: Linkage, *, self_collision: SelfCollision = "off") -> mujoco.M
             hinge = linkage.ends[parent] - rot.rotate(linkage.relative[j], linkage.anchors[j])
             body = bodies[parent].add_body(name=name, pos=hinge, quat=linkage.relative[j])
             body.add_joint(
-                name=name, type=mujoco.mjtJoint.mjJNT_BALL, pos=linkage.anchors[j], damping=[0.0] * 3
+                name=name,
+                type=mujoco.mjtJoint.mjJNT_BALL,
+                pos=linkage.anchors[j],
+                damping=[0.0] * 3,
             )
         else:
             body = out.worldbody.add_body(name=name, pos=placed[0, j], quat=turned[0, j])

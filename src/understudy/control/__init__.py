@@ -13,4 +13,12 @@ from understudy.control.controller import (
 from understudy.control.drive import Drive
 from understudy.control.tracking import Tracking
 
-__all__ = ["Compiled", "Controller", "Controls", "Drive", "OpenLoop", "PythonController", "Tracking"]
+__all__ = [
+    "Compiled",
+    "Controller",
+    "Controls",
+    "Drive",
+    "OpenLoop",
+    "PythonController",
+    "Tracking",
+]

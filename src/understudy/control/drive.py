@@ -55,7 +55,8 @@ class Drive:
         character: Which of the scene's characters.
         law: "modern" or "paper".
         gain: K_f [1/s]; by default 0.8 / time step (modern) or the paper's for the linkage.
-        order: Odd order n of the central differences, 3 to 19; by default 3 (modern) or the paper's.
+        order: Odd order n of the central differences, 3 to 19; by default 3 (modern) or the
+            paper's for the linkage.
         velocity_scale: K_vc over (frame rate x scale): 1 is the clip's own speed.
         scaling: K_v(j, f), shape (joints,) or (frames, joints); None is 1 everywhere.
         strength: Factor of a body's whole force and torque, 0 (uncontrolled) to 1, shape (joints,)
@@ -365,7 +366,8 @@ def _body_motion(clip: _Same, linkage: _Same, steps_per_frame: int) -> BodyMotio
     if steps_per_frame > 1:
         motion = motion.resampled(motion.rate * steps_per_frame, method="spline")
     pose = motion.forward_kinematics()
-    return BodyMotion(*linkage.value.placed(pose.positions, pose.rotations), motion.rate)
+    positions, rotations = linkage.value.placed(pose.positions, pose.rotations)
+    return BodyMotion(positions, rotations, motion.rate)
 
 
 def _by_step(values: Array, steps: int, every: int) -> Array:

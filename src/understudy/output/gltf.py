@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from understudy.character import Linkage
 from understudy.errors import InvalidValue
 from understudy.motion.clip import Clip
 from understudy.motion.files import written
@@ -50,7 +51,9 @@ class Skin:
     color: Array
 
 
-def write_glb(clip: Clip, path: str | PathLike[str], *, character: Character | None = None) -> None:
+def write_glb(
+    clip: Clip, path: str | PathLike[str], *, character: Character | Linkage | None = None
+) -> None:
     """Write a clip as a GLB file.
 
     Args:
@@ -68,11 +71,15 @@ def write_glb(clip: Clip, path: str | PathLike[str], *, character: Character | N
         temporary.write_bytes(data)
 
 
-def encoded(clip: Clip, *, character: Character | None = None) -> bytes:
+def encoded(clip: Clip, *, character: Character | Linkage | None = None) -> bytes:
     """A GLB file's bytes; see `write_glb`."""
     if max(np.abs(clip.root_positions).max(), np.abs(clip.skeleton.offsets).max()) > 1e30:
         raise InvalidValue("Positions beyond 1e30 m do not fit into a glTF file.")
-    skins = _bone_skin(clip) if character is None else character_skin(clip, character)
+    # The bones of a linkage are its shapes.
+    if character is None or isinstance(character, Linkage):
+        skins = _bone_skin(clip)
+    else:
+        skins = character_skin(clip, character)
     file = _File()
     names, parents = clip.skeleton.names, clip.skeleton.parents
     offsets = y_up(clip.skeleton.offsets)

@@ -60,8 +60,8 @@ class Scene:
     """Characters, ground and props; no time.
 
     Attributes:
-        characters: Characters or linkages, at least one. The first keeps its names in the model; the others' are prefixed
-            "b/", "c/" and so on.
+        characters: Characters or linkages, at least one. The first keeps its names in the model;
+            the others' are prefixed "b/", "c/" and so on.
         ground: The floor, or None for free space.
         props: Things that attach themselves.
         timestep: Physics step [s].
@@ -122,8 +122,8 @@ class Scene:
         else:
             # Euler does not take the servos' damping implicitly.
             option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        # The sparse Newton solver of MuJoCo 4.0.0 can have a wrong Hessian where there are contacts;
-        # without them it is right, and faster on many free bodies.
+        # The sparse Newton solver of MuJoCo 4.0.0 can have a wrong Hessian where there are
+        # contacts; without them it is right, and faster on many free bodies.
         sparse = linkages and not any(character.contact for character in self.characters)
         jacobian = mujoco.mjtJacobian
         option.jacobian = jacobian.mjJAC_SPARSE if sparse else jacobian.mjJAC_DENSE
