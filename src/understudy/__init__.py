@@ -10,7 +10,8 @@
     character = us.Character.from_clip(clip)
     take = us.track(clip, character)
     print(us.score(take))
-    us.write(take, "walk_sim.bvh", "walk.glb", "walk.html")
+    us.write(take, "walk_sim.bvh", "walk_sim.glb")
+    us.write_report(take, "walk.html")
 
 SI units and radians, z up, quaternions wxyz. What was simulated can be tracked again. Nothing is
 imported until its name is used.

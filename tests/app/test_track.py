@@ -32,6 +32,17 @@ def test_the_simulated_bvh_is_on_the_clips_own_skeleton(out, short):
     assert simulated.frames == captured.frames
 
 
+def test_python_writes_the_files_of_the_command_line(out, short, tmp_path):
+    clip = us.read(short)
+    take = us.track(clip, us.Character.from_clip(clip))
+    us.write(take, tmp_path / "a.bvh", tmp_path / "a.glb")
+    us.write(us.load_take(out / "wave.take.npz"), tmp_path / "b.bvh")
+    made = (out / "wave_sim.bvh").read_bytes()
+    assert (tmp_path / "a.bvh").read_bytes() == made
+    assert (tmp_path / "b.bvh").read_bytes() == made
+    assert (tmp_path / "a.glb").read_bytes() == (out / "wave_sim.glb").read_bytes()
+
+
 def test_the_saved_take_scores_as_the_certificate_says(out):
     saved = json.loads((out / "wave.json").read_text(encoding="utf-8"))
     again = us.score(us.load_take(out / "wave.take.npz"))

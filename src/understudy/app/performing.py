@@ -15,13 +15,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from understudy.app.body import OWN, Body, character_for
+from understudy.app.body import Body, character_for
 from understudy.app.outcome import plain
 from understudy.app.reading import Reading, clip_from
 from understudy.errors import Diverged, UnderstudyError
 
 if TYPE_CHECKING:
-    from understudy.motion.clip import Clip
     from understudy.take import Take
 
 
@@ -60,7 +59,7 @@ class Row:
         certificate: The score as JSON has it; empty after an error.
         files: Kind of file to its path.
         notes: What was detected in the clip or changed before the body performed it.
-        seconds: Wall time [s].
+        wall_s: Wall time [s].
     """
 
     clip: str
@@ -70,7 +69,7 @@ class Row:
     certificate: dict[str, Any] = field(default_factory=dict)
     files: dict[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-    seconds: float = 0.0
+    wall_s: float = 0.0
 
 
 def attempted(job: Job) -> Row:
@@ -100,7 +99,7 @@ def performed(job: Job) -> Row:
     take = us.track(clip, character, **job.settings)
     found, (reference,) = certificate(take), take.references
     with staged(job.folder, job.name) as (folder, files):
-        write_all(take, clip, folder, job)
+        write_all(take, folder, job)
         text = json.dumps(plain(found), indent=2, ensure_ascii=False, allow_nan=False)
         (folder / f"{job.name}.json").write_text(text + "\n", encoding="utf-8")
     return Row(
@@ -109,22 +108,17 @@ def performed(job: Job) -> Row:
         certificate=found,
         files=files,
         notes=() if reference is None else reference.notes,
-        seconds=time.monotonic() - started,
+        wall_s=time.monotonic() - started,
     )
 
 
-def write_all(take: Take, clip: Clip, folder: Path, job: Job) -> None:
+def write_all(take: Take, folder: Path, job: Job) -> None:
     """Every file of one take but its certificate, into `folder`."""
     import understudy as us
-    from understudy.character.retarget import restored
 
-    (character,) = take.scene.characters
-    motion = take.clip()
-    if job.body.character == OWN:
-        motion = restored(motion, clip.repaired(), character)
     stem = folder / job.name
-    us.write(motion, f"{stem}_sim.bvh")
-    us.write(take, f"{stem}_sim.glb", f"{stem}.take.npz", *(f"{stem}{k}" for k in job.kinds))
+    files = (f"{stem}_sim.bvh", f"{stem}_sim.glb", f"{stem}.take.npz")
+    us.write(take, *files, *(f"{stem}{kind}" for kind in job.kinds))
     us.write_report(take, f"{stem}.html")
 
 

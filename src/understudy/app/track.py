@@ -50,7 +50,7 @@ class Options(Body, Reading):
         self_collision: Let the arms touch trunk and legs (pairs), or not.
         seed: Seed of every random choice.
         out: Folder for the files.
-        stills: Also NAME.png, captured and simulated poses side by side.
+        stills: Also NAME.png, reference and simulated poses, one above the other.
         video: Also NAME.mp4.
         jobs: Clips at a time.
         json: Print one JSON object.
@@ -173,7 +173,7 @@ def result(rows: Sequence[Row]) -> dict[str, Any]:
                 "error": row.error,
                 "files": row.files,
                 "notes": row.notes,
-                "seconds": round(row.seconds, 3),
+                "wall_s": round(row.wall_s, 3),
                 "certificate": row.certificate or None,
             }
             for row in rows

@@ -20,13 +20,15 @@ def write(thing: Take | Clip, *paths: _Path, character: int = 0) -> None:
     """Write a take or a clip to files; what each gets follows from its extension.
 
     =========  ===================================================================
-    .bvh       the motion (of a take: the simulated one, on the character's skeleton)
-    .glb       the same, skinned with the character's shapes
-    .csv       the same, as a table of joint positions
+    .bvh       the motion, to be read again; of a take, the simulated one, on the
+               skeleton of the clip it came from (see `on_source_skeleton`)
+    .glb       the motion on the character's skeleton, skinned with its shapes
+    .csv       joint positions and angles on the character's skeleton, for spreadsheets
     .npz       a clip's arrays; of a take, all of it (`load_take` reads it)
-    .html      a page that plays it in 3D, beside the captured motion
+    .html      a page that plays it in 3D, beside the reference (`us.write_report` adds
+               scores and plots)
     .mp4 .gif  a video of the same
-    .png       a sheet of twelve moments, captured above simulated
+    .png       a sheet of twelve moments, reference above simulated
     =========  ===================================================================
 
     Args:
@@ -63,10 +65,28 @@ def _clip(thing: Take | Clip, character: int) -> Clip:
     return thing if isinstance(thing, Clip) else thing.clip(character)
 
 
+def on_source_skeleton(take: Take, character: int = 0) -> Clip:
+    """The simulated motion on the full skeleton of the clip that the character was made from.
+
+    Fingers and other joints that the body lacks move as in the clip. Another body (an adult, a
+    child) has no such skeleton: its motion stays on its own, as `take.clip()` has it.
+    """
+    from understudy.character.retarget import restored
+
+    body, source, motion = (
+        take.scene.characters[character],
+        take.captured[character],
+        take.clip(character),
+    )
+    if source is None or source.skeleton != getattr(body, "source", None):
+        return motion
+    return restored(motion, source.repaired(), body)
+
+
 def _bvh(thing: Take | Clip, path: _Path, character: int) -> None:
     from understudy.motion.bvh_writer import write_bvh
 
-    write_bvh(_clip(thing, character), path)
+    write_bvh(thing if isinstance(thing, Clip) else on_source_skeleton(thing, character), path)
 
 
 def _csv(thing: Take | Clip, path: _Path, character: int) -> None:
