@@ -6,7 +6,7 @@ clip = us.sample("gesture")
 character = us.Character.from_clip(clip)
 
 edits = {
-    "as captured": clip,
+    "as made": clip,
     "a third faster": clip.retimed(1.33),
     "mirrored": clip.mirrored(),
     "both": clip.mirrored().retimed(1.33),

@@ -1,6 +1,7 @@
 """Stills and contact sheets of takes and clips."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +40,7 @@ def test_body_fills_the_height_of_a_still(clip: Clip) -> None:
     assert np.ptp(body) > 0.75 * 160
 
 
-def test_sheet_has_a_row_for_the_captured_and_one_for_the_simulated(
+def test_sheet_has_a_row_for_the_reference_and_one_for_the_simulated(
     take: Take, clip: Clip, tmp_path: Path
 ) -> None:
     both = contact_sheet(take, tmp_path / "sheet.png", count=3, width=40, height=60)
@@ -47,6 +48,19 @@ def test_sheet_has_a_row_for_the_captured_and_one_for_the_simulated(
     assert both.pixels.shape[0] - alone.pixels.shape[0] == 60 + 4
     with Image.open(tmp_path / "sheet.png") as read:
         assert read.text["Renderer"] == "software"
+
+
+def test_sheets_follow_a_body_that_travels_unless_told_not_to(clip: Clip) -> None:
+    path = clip.root_positions + np.linspace(0.0, 8.0, clip.frames)[:, None] * [1.0, 0.0, 0.0]
+    away = replace(clip, root_positions=path)
+
+    def body(follow: bool) -> float:
+        """Share of the picture that shows the body."""
+        drawn = contact_sheet(away, count=3, view="side", width=80, height=80, follow=follow)
+        pixels = drawn.pixels.astype(int)
+        return float((pixels[..., 0] - pixels[..., 2] > 30).mean())
+
+    assert body(True) > 4 * body(False) > 0
 
 
 def test_sheet_wraps_into_bands(clip: Clip) -> None:

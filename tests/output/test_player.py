@@ -38,7 +38,7 @@ def test_page_needs_nothing_from_outside(page: str) -> None:
     assert "@DATA@" not in page and "@TITLE@" not in page
 
 
-def test_page_holds_the_simulated_and_the_captured_poses(page: str, take: Take) -> None:
+def test_page_holds_the_simulated_and_the_reference_poses(page: str, take: Take) -> None:
     held, shown = content(page), playback(take, rate=60.0)
     assert held["frames"] == shown.frames and held["rate"] == shown.rate
     shape = (shown.frames, shown.model.nbody)
@@ -85,3 +85,12 @@ def test_page_is_written_whole(clip: Clip, tmp_path: Path) -> None:
     write_player(clip, tmp_path / "deep" / "walk.html")
     text = (tmp_path / "deep" / "walk.html").read_text(encoding="utf-8")
     assert text.startswith("<!doctype html>") and text.rstrip().endswith("</html>")
+
+
+def test_page_names_the_two_motions_with_the_words_of_the_sheets(page: str) -> None:
+    assert [label["text"] for label in content(page)["labels"]] == ["simulated", "reference"]
+    assert "aptured" not in page.replace(content(page)["data"], "")
+
+
+def test_page_needs_no_font_for_its_buttons(page: str) -> None:
+    assert "\\u23F8" not in page and "\u23f8" not in page and "&#9654;" not in page

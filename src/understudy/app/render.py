@@ -27,10 +27,11 @@ class Options:
         take: A take file, NAME.take.npz.
         out: Folder for the files.
         video: NAME.mp4.
-        stills: NAME.png, a contact sheet of captured and simulated poses.
+        stills: NAME.png, a contact sheet of reference and simulated poses.
         player: NAME_player.html, a 3D player in one file.
         view: front, three-quarter, side or back; follow-... keeps the body in the middle.
-        renderer: opengl where it works, or software, which works everywhere.
+        fixed: The camera of the contact sheet stands still; otherwise it follows the body.
+        renderer: software works everywhere; opengl is faster; auto is opengl where it works.
         json: Print one JSON object.
     """
 
@@ -42,7 +43,14 @@ class Options:
     stills: bool = False
     player: bool = False
     view: str = "follow"
-    renderer: Literal["auto", "opengl", "software"] = "auto"
+    fixed: bool = False
+    renderer: Annotated[
+        Literal["auto", "opengl", "software"] | None,
+        arg(
+            metavar="{auto,opengl,software}",
+            help_behavior_hint="(default: software for stills, auto for video)",
+        ),
+    ] = None
     json: bool = False
 
 
@@ -65,9 +73,18 @@ def draw(take: Take, folder: Path, name: str, options: Options) -> None:
     nothing = not (options.video or options.stills or options.player)
     if options.stills or nothing:
         output.contact_sheet(
-            take, folder / f"{name}.png", view=options.view, renderer=options.renderer
+            take,
+            folder / f"{name}.png",
+            view=options.view,
+            follow=not options.fixed,
+            renderer=options.renderer or "software",
         )
     if options.player or nothing:
         output.write_player(take, folder / f"{name}_player.html")
     if options.video:
-        output.video(take, folder / f"{name}.mp4", view=options.view, renderer=options.renderer)
+        output.video(
+            take,
+            folder / f"{name}.mp4",
+            view=options.view,
+            renderer=options.renderer or "auto",
+        )

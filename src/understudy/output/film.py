@@ -67,7 +67,7 @@ def video(
         path: The file: .mp4 (H.264, by ffmpeg) or .gif (by Pillow).
         fps: Frames per second [Hz].
         view: See `pictures.still`.
-        ghost: The captured motion "over" the simulated body, "beside" it, or "none".
+        ghost: The reference "over" the simulated body, "beside" it, or "none".
         width: Width [pixels]; made even for .mp4.
         height: Height [pixels]; made even for .mp4.
         renderer: "auto" (OpenGL where it works), "opengl" or "software".

@@ -11,7 +11,7 @@ import numpy as np
 
 from understudy.errors import InvalidValue, UnknownName, require
 from understudy.motion.clip import Clip
-from understudy.output.camera import Shot
+from understudy.output.camera import BEARINGS, Shot
 from understudy.output.playback import Playback, playback
 from understudy.output.png import write_png
 from understudy.output.renderer import opened
@@ -61,7 +61,7 @@ def still(
         path: PNG file to write, if any.
         view: "front", "three-quarter", "side" or "back" with the whole motion in the frame;
             "follow" (three-quarter) or "follow-front", ... with the body at its time.
-        ghost: The captured motion "over" the simulated body, "beside" it, or "none".
+        ghost: The reference "over" the simulated body, "beside" it, or "none".
         width: Width [pixels].
         height: Height [pixels].
         renderer: "software", "opengl" or "auto"; see `renderer.opened`. Software is the
@@ -103,17 +103,20 @@ def contact_sheet(
     *,
     count: int = 12,
     view: str = "follow",
+    follow: bool = True,
     width: int = 220,
     height: int = 280,
     renderer: str = "software",
 ) -> Picture:
-    """Draw a motion as a strip of moments at even times, captured above simulated.
+    """Draw a motion as a strip of moments at even times, reference above simulated.
 
     Args:
         thing: A take, or a clip (one row).
         path: PNG file to write, if any.
         count: How many moments.
         view: See `still`; every moment is drawn at the same scale.
+        follow: Travel along with the body, also for "front", "side", ...; otherwise those show
+            the whole way it goes, in which a body that travels is small.
         width: Width of one moment [pixels].
         height: Height of one moment [pixels].
         renderer: See `still`.
@@ -127,10 +130,12 @@ def contact_sheet(
     if not 1 <= count <= 200:
         raise InvalidValue(f"count is {count}; it must lie between 1 and 200.")
     require("PIL", extra="video")
+    if follow and view in BEARINGS:
+        view = f"follow-{view}"
     shown = playback(thing, rate=60.0)
     frames = np.unique(np.linspace(0, shown.frames - 1, count).round().astype(int))
     shot = shown.shot(view, width / height)
-    rows = [("captured", shown.captured())] if shown.ghost is not None else []
+    rows = [("reference", shown.reference())] if shown.ghost is not None else []
     rows.append(("simulated" if shown.simulated else shown.name, shown.alone()))
     drawing = opened(shown.model, width, height, renderer=renderer, spec=shown.spec)
     try:

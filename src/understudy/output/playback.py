@@ -1,7 +1,7 @@
 """What there is to see: the poses of a take or a clip at a picture's rate.
 
 In: a `Take` or a `Clip`. Out: a `Playback`: a model, its pose at every picture, and beside it the
-pose of the captured motion, the ghost.
+pose of the reference, the prepared clip that the body tracked: the ghost.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ class Playback:
         times: Time of each picture [s], shape (frames,).
         rate: Pictures per second [Hz].
         qpos: Pose of the whole scene, shape (frames, nq).
-        ghost: The same with the captured motion in the performers' places, or None.
+        ghost: The same with the reference in the performers' places, or None.
         ghost_bodies: Bodies that the ghost shows.
         roots: Where the root positions of the performers start in qpos.
-        ghost_roots: The same for the performers that have a ghost.
+        ghost_roots: The same for the performers that have a ghost; of loose bodies, every one's.
         name: For titles.
         simulated: False when the poses come from a clip.
         names: Name of every body, from which left and right are told; by default the model's.
@@ -133,8 +133,8 @@ class Playback:
             ghost[:, r : r + 2] += (min(reach, 3.0) + _GAP) * aside
         return replace(self, ghost=ghost)
 
-    def captured(self) -> Playback:
-        """Only the captured motion, as a body of its own."""
+    def reference(self) -> Playback:
+        """Only the reference, as a body of its own."""
         if self.ghost is None:
             return self
         return replace(self, qpos=self.ghost, ghost=None, simulated=False)

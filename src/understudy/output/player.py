@@ -37,7 +37,7 @@ def player_html(thing: Take | Clip, *, title: str | None = None, autoplay: bool 
     """The page as text.
 
     Args:
-        thing: A take (with the captured motion beside it, where there is one), or a clip.
+        thing: A take (with the reference beside it, where there is one), or a clip.
         title: Shown above the picture; by default the clip's name.
         autoplay: Start to play at once, unless the reader asked the browser for less motion.
 
@@ -146,8 +146,8 @@ def _labels(shown: Playback) -> list[dict[str, Any]]:
     root = shown.ghost_bodies[0]
     above = float(tops[:, 2].max() - placed[0, root, 2]) + 0.08
     return [
-        {"body": int(root), "text": text, "ghost": text == "captured", "height": above}
-        for text in ("simulated", "captured")
+        {"body": int(root), "text": text, "ghost": text == "reference", "height": above}
+        for text in ("simulated", "reference")
     ]
 
 
