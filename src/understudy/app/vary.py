@@ -16,6 +16,8 @@ from understudy.errors import InvalidValue
 
 if TYPE_CHECKING:
     from understudy.family import Family
+    from understudy.motion.clip import Clip
+    from understudy.performance import Performance
     from understudy.variations import Variation
 
 EXAMPLE = """\
@@ -57,6 +59,8 @@ class Options(Body, Reading):
         lock: Joints held at one angle: straight (usual), mean or start.
         speed: Of the whole motion.
         grip: 0 to 1, or a range.
+        linkage: Rigid bodies driven along the clip, as in Wilke & Semwal 2017, in place of a
+            character: independent, skeleton, constrained or tree.
         pelvis: led along its path, assisted softly (usual), or free.
         torque_limits: Bound every joint by human strength, or not.
         out: Folder for the files.
@@ -76,6 +80,13 @@ class Options(Body, Reading):
     lock: UseAppendAction[Annotated[_Many, arg(metavar="JOINT[=HOW]")]] = ()
     speed: Annotated[str | None, arg(metavar="LO:HI", help_behavior_hint="(default: 1)")] = None
     grip: Annotated[str, arg(metavar="G", aliases=("--strength-slider",))] = "0.5"
+    linkage: Annotated[
+        Literal["independent", "skeleton", "constrained", "tree"] | None,
+        arg(
+            metavar="{independent,skeleton,constrained,tree}",
+            help_behavior_hint="(default: a character)",
+        ),
+    ] = None
     pelvis: Annotated[
         Literal["led", "assisted", "free"] | None,
         arg(metavar="{led,assisted,free}", help_behavior_hint="(default: by the body's legs)"),
@@ -100,12 +111,7 @@ def run(options: Options) -> Outcome:
     body = body_asked(options)
     check_body(body)
     clip = clip_from(options.clip, options)
-    performance = us.tracked(
-        clip,
-        character_for(clip, body),
-        pelvis=options.pelvis,
-        torque_limits=options.torque_limits,
-    )
+    performance = performance_of(clip, body, options)
     made = us.family(
         performance,
         options.count,
@@ -119,6 +125,24 @@ def run(options: Options) -> Outcome:
     )
     diverged = sum("diverged" in member.flags for member in made.members)
     return Outcome(result=result(made), text=text(made), status=1 if diverged else 0)
+
+
+def performance_of(clip: Clip, body: Body, options: Options) -> Performance:
+    """The performance to vary: a character that tracks the clip, or a linkage driven along it."""
+    import understudy as us
+
+    if options.linkage is not None:
+        from understudy.performance import driven
+
+        if body != Body():
+            raise InvalidValue("--linkage takes the clip's own skeleton; it has no other body.")
+        return driven(clip, us.Linkage.from_clip(clip, options.linkage))
+    return us.tracked(
+        clip,
+        character_for(clip, body),
+        pelvis=options.pelvis,
+        torque_limits=options.torque_limits,
+    )
 
 
 def body_asked(options: Options) -> Body:
@@ -218,6 +242,8 @@ def overview(made: Family) -> list[Path]:
 
 def text(made: Family) -> str:
     """The table of the members, what was flagged, and where the files are."""
+    from understudy.family.table import row
+
     head = ("member", "away mm", "torque x", "help %", "most changed", "flags")
     shown = made.members[:_SHOWN]
     rows = [
@@ -225,7 +251,7 @@ def text(made: Family) -> str:
             member.name,
             f"{member.away_mm:.0f}",
             "-" if (ratio := member.total["torque_ratio"]) is None else f"{ratio:.2f}",
-            f"{member.certificate['characters'][0]['root_force_mean_percent']:.0f}",
+            "-" if (held := row(member)["help_percent"]) is None else f"{held:.0f}",
             member.total["most_changed"],
             ", ".join(member.flags),
         )

@@ -15,6 +15,7 @@ from typing import Any
 
 from tqdm import tqdm
 
+from understudy.character import Linkage
 from understudy.errors import InvalidValue, MissingExtra, UnderstudyError
 from understudy.family.casting import (
     Casting,
@@ -217,6 +218,10 @@ def _fingerprint(performance: Performance) -> str:
     """Tells performances apart: body, clip, settings."""
     digest = hashlib.sha256()
     for character in performance.scene.characters:
+        if isinstance(character, Linkage):
+            digest.update(f"{character.kind} {character.locks}".encode())
+            digest.update(character.masses.tobytes() + character.radii.tobytes())
+            continue
         for link in character.links:
             digest.update(f"{link.name} {link.mass!r}".encode())
             digest.update(link.offset.tobytes() + link.com.tobytes() + link.inertia.tobytes())

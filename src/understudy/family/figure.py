@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from understudy.character import Character
+from understudy.character import Character, Linkage
 from understudy.motion.rotations import Array
 
 # Radius of what lies between a joint and the next, for a stature of 1.75 m [m].
@@ -53,9 +53,18 @@ class Bone:
     side: str = ""
 
 
-def figure_of(character: Character) -> tuple[Bone, ...]:
-    """The bones to draw for poses of a character: its joints in order, then its ends."""
+def figure_of(character: Character | Linkage) -> tuple[Bone, ...]:
+    """The bones to draw for poses of a character (its joints in order, then its ends).
+
+    Of a linkage, whose poses are its joints alone, one bone per body.
+    """
     skeleton = character.skeleton
+    if isinstance(character, Linkage):
+        return tuple(
+            Bone(a=p, b=j, radius=0.022 * character.height, side=_side(skeleton.names[j]))
+            for j, p in enumerate(skeleton.parents)
+            if p >= 0
+        )
     ends = {j: len(skeleton) + k for k, j in enumerate(skeleton.end_joints)}
     roles = {link.role: i for i, link in enumerate(character.links) if link.role}
     if not roles:
@@ -88,6 +97,15 @@ def figure_of(character: Character) -> tuple[Bone, ...]:
         out.append(Bone(a=roles["neck"], b=top, begin=0.1, end=0.3, radius=0.05 * scale))
         out.append(Bone(a=roles["neck"], b=top, begin=0.5, end=0.72, radius=0.088 * scale))
     return tuple(out)
+
+
+def _side(name: str) -> str:
+    """The side that a clip joint's name tells: LeftFoot, LHipJoint, left_knee."""
+    for side in ("left", "right"):
+        initial = side[0].upper()
+        if name.lower().startswith(side) or (name[:1] == initial and name[1:2].isupper()):
+            return side
+    return ""
 
 
 def heading_of(poses: Array, figure: tuple[Bone, ...]) -> float:

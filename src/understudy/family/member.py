@@ -11,12 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from understudy.character import Character
 from understudy.character.retarget import restored
 from understudy.errors import Diverged, UnderstudyError
 from understudy.evaluate.certificate import certificate
 from understudy.evaluate.measure import Measured, measured
 from understudy.evaluate.score import Score, score
+from understudy.family import bodies
 from understudy.family import cost as costs
+from understudy.family.bodies import APART_MM, linkage_of
 from understudy.family.casting import POSE_RATE, Part
 from understudy.motion.bvh_writer import write_bvh
 from understudy.motion.clip import Clip
@@ -34,6 +37,7 @@ _HELD = 50.0
 FLAGS = {
     "diverged": "the simulation blew up and is kept up to then",
     "fell": "the root is 0.2 m below or 45 degrees off its part",
+    "fell apart": f"the parts of a joint came {APART_MM:g} mm from each other",
     "left the floor": f"nothing touched the body for {_FLIGHT:g} s longer than unvaried",
     "held up": f"the outside force on the pelvis exceeds {_HELD:.0f} % of body weight on average",
 }
@@ -109,6 +113,8 @@ class Unvaried:
     @cached_property
     def effort(self) -> costs.Effort:
         """Forces and torques."""
+        if linkage_of(self.take) is not None:
+            return bodies.drive_effort(self.take, self.performance.duration)
         return costs.effort(self.take, self.performance.duration, self.measures)
 
     @cached_property
@@ -129,7 +135,9 @@ class Unvaried:
 
     def ready(self) -> None:
         """Work out everything members share, so that threads find it done."""
-        _ = self.effort, self.flight, self.poses, self.repaired
+        _ = self.effort, self.poses
+        if linkage_of(self.take) is None:
+            _ = self.flight, self.repaired
 
 
 def performed(part: Part, unvaried: Unvaried, performance: Performance) -> tuple[Member, Take]:
@@ -144,10 +152,16 @@ def performed(part: Part, unvaried: Unvaried, performance: Performance) -> tuple
             if error.take is None:
                 raise
             take = error.take
-    m = unvaried.measures if part.index < 0 else measured(take, rate=costs.RATE)
-    after = unvaried.effort if part.index < 0 else costs.effort(take, varied.duration, m)
+    if linkage_of(take) is not None:
+        error = bodies.error_of(take)
+        after = bodies.drive_effort(take, varied.duration)
+        flags, found = bodies.drive_flags(take, error), bodies.drive_certificate(take, error)
+    else:
+        m = unvaried.measures if part.index < 0 else measured(take, rate=costs.RATE)
+        after = costs.effort(take, varied.duration, m)
+        scores = score(take, measures=m)
+        flags, found = flags_of(take, scores, m, unvaried), _timeless(take, scores, m)
     cost = costs.changed(unvaried.effort, after)
-    found = score(take, measures=m)
     poses = poses_of(take)
     member = Member(
         index=part.index,
@@ -155,11 +169,11 @@ def performed(part: Part, unvaried: Unvaried, performance: Performance) -> tuple
         kind=part.kind,
         says=tuple(str(p) for v in part.variation.parts for p in getattr(v, "parts", (v,))),
         variation=part.variation.as_dict(),
-        flags=flags_of(take, found, m, unvaried),
+        flags=flags,
         away_mm=_away(poses, unvaried.poses, take.duration / max(varied.duration, 1e-9)),
         cost=cost,
         total=costs.total(cost),
-        certificate=_timeless(take, found, m),
+        certificate=found,
         duration=take.duration,
         poses=poses,
     )
@@ -190,6 +204,8 @@ def longest_flight(m: Measured) -> float:
 
 def poses_of(take: Take) -> Any:
     """Joints, then ends, of the first character at `POSE_RATE` [m], (frames, points, 3)."""
+    if linkage_of(take) is not None:
+        return bodies.joint_places(take, POSE_RATE)
     pose = take.clip(rate=POSE_RATE).forward_kinematics()
     return np.concatenate((pose.positions, pose.ends), axis=1).astype(np.float32)
 
@@ -214,10 +230,10 @@ def write_member(member: Member, take: Take, folder: Path, unvaried: Unvaried) -
     body, motion = take.scene.characters[0], take.clip()
     stem = folder / member.name
     captured = take.captured[0]
-    source = unvaried.repaired
-    if captured is not None and captured is not unvaried.take.captured[0]:
+    source = unvaried.repaired if isinstance(body, Character) else None
+    if source is not None and captured is not None and captured is not unvaried.take.captured[0]:
         source = captured.repaired()
-    if source is not None and source.skeleton == body.source:
+    if isinstance(body, Character) and source is not None and source.skeleton == body.source:
         write_bvh(restored(motion, source, body), f"{stem}.bvh")
     else:
         write_bvh(motion, f"{stem}.bvh")

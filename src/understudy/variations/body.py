@@ -16,6 +16,7 @@ from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
 from understudy.scene import Scene
+from understudy.variations import driven
 from understudy.variations.change import (
     Amount,
     Variation,
@@ -56,11 +57,13 @@ class Mass(Variation):
         self._check_amounts(1e-6, _MOST_KG if self.to is not None else 1e3)
 
     def _varied(self, performance: Performance) -> Performance:
+        (name,) = (name for name, _ in self._amounts())
+        amount = self._number(name)
+        if drive := driven.drive_of(performance, self.character):
+            return driven.weighed(performance, drive, self.link, name, amount)
         tracking = tracking_of(performance, self.character)
         body = body_of(performance, self.character)
         links = list(body.links)
-        (name,) = (name for name, _ in self._amounts())
-        amount = self._number(name)
         total = body.simulated_mass
         if tracking.rehearsal is not None:
             total = tracking.rehearsal.scene.characters[self.character].simulated_mass
@@ -102,6 +105,8 @@ class Length(Variation):
         self._check_amounts(0.3, 3.0)
 
     def _varied(self, performance: Performance) -> Performance:
+        if driven.drive_of(performance, self.character):
+            raise InvalidValue("Length: the bodies of a linkage are as long as the clip's bones.")
         tracking = tracking_of(performance, self.character)
         body = body_of(performance, self.character)
         chosen = links_of(body, self.link)

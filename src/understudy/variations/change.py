@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from understudy.character import Character
+from understudy.character import Character, Linkage
 from understudy.control import Tracking
 from understudy.control.feedforward import Rehearsal
 from understudy.errors import InvalidValue
@@ -160,7 +160,10 @@ def body_of(performance: Performance, character: int) -> Character:
         raise InvalidValue(
             f"No character {character}; the scene has {len(characters)}, counted from 0."
         )
-    return characters[character]
+    body = characters[character]
+    if isinstance(body, Linkage):
+        raise InvalidValue(f"{body.name!r} is a linkage without a drive; see `driven`.")
+    return body
 
 
 def rehearsed(performance: Performance, tracking: Tracking) -> Tracking:

@@ -19,6 +19,7 @@ from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
+from understudy.variations import driven
 from understudy.variations.change import (
     Amount,
     Variation,
@@ -63,11 +64,16 @@ class Scaling(Variation):
             raise InvalidValue(f"Scaling: ease is {self.ease} s; it must lie in 0 to 60.")
 
     def _varied(self, performance: Performance) -> Performance:
+        factor = self._number("by")
+        if drive := driven.drive_of(performance, self.character):
+            driven.bodies_of(drive, self.joint)
+            weights = 1.0 + (factor - 1.0) * self._weights(drive.reference)
+            same = factor == 1.0
+            return performance if same else driven.scaled(performance, drive, self.joint, weights)
         tracking = tracking_of(performance, self.character)
         body = body_of(performance, self.character)
         joints = joints_of(body, self.joint)
         weights = self._weights(tracking.reference)
-        factor = self._number("by")
         if factor == 1.0:
             return performance
         reference = tracking.reference
@@ -126,6 +132,7 @@ class Strength(Variation):
     """A joint gives a factor more or less torque than its servo would.
 
     Gains, feedforward and torque limit alike: weaker joints sag and lag, stronger ones overshoot.
+    A drive's bodies are never stronger than its law: factors above 1 do nothing there.
 
     Attributes:
         joint: A joint, or a limb for all of its joints.
@@ -139,9 +146,13 @@ class Strength(Variation):
         self._check_amounts(0.0, 10.0)
 
     def _varied(self, performance: Performance) -> Performance:
+        factor = self._number("by")
+        if drive := driven.drive_of(performance, self.character):
+            driven.bodies_of(drive, self.joint)
+            same = factor == 1.0
+            return performance if same else driven.weakened(performance, drive, self.joint, factor)
         tracking = tracking_of(performance, self.character)
         joints = joints_of(body_of(performance, self.character), self.joint)
-        factor = self._number("by")
         if factor == 1.0:
             return performance
         known = dict(tracking.strengths)
@@ -195,6 +206,8 @@ class Lock(Variation):
             )
 
     def _varied(self, performance: Performance) -> Performance:
+        if drive := driven.drive_of(performance, self.character):
+            return driven.held(performance, drive, self.joint, self.at)
         tracking = tracking_of(performance, self.character)
         joints = joints_of(body_of(performance, self.character), self.joint)
         turned = np.array(tracking.reference.rotations)
@@ -234,10 +247,12 @@ class Speed(Variation):
         self._check_amounts(0.1, 10.0)
 
     def _varied(self, performance: Performance) -> Performance:
-        tracking = tracking_of(performance, self.character)
         factor = self._number("by")
         if factor == 1.0:
             return performance
+        if drive := driven.drive_of(performance, self.character):
+            return driven.retimed(performance, drive, factor)
+        tracking = tracking_of(performance, self.character)
         known = tracking.rehearsal
         captured = tracking.captured
         new = replace(
@@ -271,9 +286,11 @@ class Grip(Variation):
         self._check_amounts(0.0, 1.0)
 
     def _varied(self, performance: Performance) -> Performance:
+        grip = self._number("to")
+        if drive := driven.drive_of(performance, self.character):
+            return driven.gripped(performance, drive, grip)
         tracking = tracking_of(performance, self.character)
         low, high = GRIP_STIFFNESS
-        grip = self._number("to")
         stiffness = high if grip == 1.0 else low * (high / low) ** grip
         along, up, turn = tracking.root_frequency or ROOT_FREQUENCY[tracking.pelvis]
         if tracking.root_frequency is None and grip < 1.0:
