@@ -339,3 +339,13 @@ def test_a_controller_that_raises_keeps_the_take_so_far():
 def test_a_senseless_period_is_refused(period):
     with pytest.raises(InvalidValue, match="period"):
         PythonController(function=lambda time, data: None, period=period)
+
+
+def test_a_body_without_a_controller_starts_on_its_feet_and_collapses():
+    from understudy.character import adult_man
+
+    scene = Scene(characters=(adult_man(),))
+    take = simulate(Performance(scene=scene, duration=1.0))
+    height = take.qpos[:, 2]
+    assert height[0] == pytest.approx(adult_man().links[0].offset[2])
+    assert 0.0 < height[-1] < 0.8 * height[0]

@@ -52,6 +52,9 @@ def prepared(performance: Performance) -> tuple[mujoco.MjModel, mujoco.MjData]:
     for controller in performance.controllers:
         controller.configure(performance.scene, model)
     data = mujoco.MjData(model)
+    for part, body in zip(performance.scene.parts, performance.scene.characters, strict=True):
+        if isinstance(body, Character):  # Until a controller says otherwise, it stands.
+            data.qpos[part.qpos.start : part.qpos.start + 3] = body.links[0].offset
     for controller in performance.controllers:
         controller.start(performance.scene, data)
     with quiet_engine():
