@@ -160,7 +160,8 @@ def tune(
         _write(checkpoint, settings, known)
         return [known[float(f"{v:.6g}")].cost for v in values]
 
-    with tqdm(desc="tune", unit="run", delay=2.0, disable=not progress, leave=False) as bar:
+    hidden = None if progress else True  # None: shown on a terminal only
+    with tqdm(desc="tune", unit="run", delay=2.0, disable=hidden, leave=False) as bar:
         grid = list(np.geomspace(low, high, survey))
         costs = evaluate(grid)
         if not np.isfinite(costs).any():

@@ -129,6 +129,44 @@ def test_tune_finds_a_stiffness_between_its_bounds(short, tmp_path, capfd):
     assert (tmp_path / "wave_tuning.png").exists()
 
 
+def test_tune_says_each_stiffness_once_and_how_to_use_the_best(short, tmp_path, capsys):
+    words = ["--law", "paper", "--plan", "upper", "--survey", "3", "--low", "300"]
+    assert main(["tune", str(short), *words, "--out", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    head, _, *rows = shown.split("\n\n")[0].splitlines()
+    assert "mean error deg" in head and "cost deg" in head
+    tried = [row.split()[0] for row in rows]
+    assert len(set(tried)) == len(tried) >= 3
+    best = json.loads((tmp_path / "wave_tuning.json").read_text())["best"]["stiffness"]
+    used = f"use it: understudy track {short} --plan upper --law paper --stiffness {best:.0f}\n"
+    assert used in shown
+
+
+@pytest.mark.parametrize("command", ["info", "track"])
+def test_a_wrong_unit_is_doubted(command, short, tmp_path, capsys):
+    out = ["--out", str(tmp_path)] if command == "track" else []
+    assert main([command, str(short), "--unit", "0.004", *out]) == 0
+    assert "Stands 0.70 m tall: check unit= (--unit)." in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_table_of_positions_is_not_read_back(short, tmp_path, capsys):
+    table = tmp_path / "wave.csv"
+    assert main(["convert", str(short), str(table)]) == 0
+    capsys.readouterr()
+    assert main(["info", str(table)]) == 2
+    said = capsys.readouterr().err
+    assert "is a table of joint positions; it cannot be read back as motion" in said
+    assert said.count("\n") == 1
+
+
+def test_sheets_are_drawn_alike_by_both_commands(short, out, tmp_path):
+    assert main(["track", str(short), "--out", str(tmp_path), "--stills"]) == 0
+    tracked = (tmp_path / "wave.png").read_bytes()
+    words = ["render", str(out / "wave.take.npz"), "--out", str(tmp_path / "again"), "--stills"]
+    assert main(words) == 0
+    assert (tmp_path / "again" / "wave.png").read_bytes() == tracked
+
+
 def test_samples_are_listed_and_written(tmp_path, capfd):
     assert set(answer(capfd, "samples")["samples"]) == set(us.samples())
     files = answer(capfd, "samples", "gesture", "--out", str(tmp_path))["files"]

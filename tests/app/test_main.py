@@ -101,6 +101,8 @@ def test_bad_options_are_one_line_that_names_the_help(words, expected, capsys):
 @pytest.mark.parametrize(
     "words",
     [
+        ["--json"],
+        ["--json", "trak"],
         ["trak", "--json"],
         ["convert", "no_such_file.bvh", "b.bvh", "--json"],
         ["convert", "a.bvh", "b.bvh", "--sped", "2", "--json"],

@@ -174,6 +174,60 @@ def test_an_interrupt_ends_the_workers_and_leaves_no_scraps(short, tmp_path):
     assert not [name for name in made if name.startswith(".")]
 
 
+def test_a_folder_stands_for_the_motion_files_in_it(short, tmp_path, capsys):
+    from understudy.app.reading import expanded
+
+    folder = tmp_path / "clips"
+    folder.mkdir()
+    for name in ("b.bvh", "a.BVH"):
+        (folder / name).write_bytes(short.read_bytes())
+    us.write(us.read(short), folder / "c.npz", folder / "positions.csv")
+    (folder / "d.take.npz").write_bytes(b"")
+    (folder / "notes.txt").write_text("mine")
+    (folder / "e.csv").write_text("time,segment,w,x,y,z\n")
+    found = expanded(["sample:walk", str(folder)])
+    assert [word.rpartition("/")[2] for word in found] == [
+        "sample:walk",
+        "a.BVH",
+        "b.bvh",
+        "c.npz",
+        "e.csv",
+    ]
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    assert main(["track", str(empty)]) == 2
+    assert "holds no motion file" in capsys.readouterr().err
+
+
+def test_several_clips_say_how_many_notes_there_are(short, tmp_path, capsys):
+    folder = tmp_path / "clips"
+    folder.mkdir()
+    for name in ("a.bvh", "b.bvh"):
+        (folder / name).write_bytes(short.read_bytes())
+    words = ["track", str(folder), "--jobs", "1", "--out", str(tmp_path / "out"), "--json"]
+    assert main(words) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert all(clip["wall_s"] > 0 for clip in answer["clips"])
+    rows = [
+        performing.Row(
+            clip=c["clip"], name=c["name"], certificate=c["certificate"], notes=tuple(c["notes"])
+        )
+        for c in answer["clips"]
+    ]
+    count = sum(len(row.notes) for row in rows)
+    assert count > 0
+    shown = track.text(rows)
+    assert f"{count} notes on what was read and changed: in each NAME.html." in shown
+    assert shown.index("help: outside force") < shown.index("notes on what was read")
+
+
+def test_the_table_says_that_a_body_fell(out):
+    saved = json.loads((out / "wave.json").read_text(encoding="utf-8"))
+    saved["characters"][0] |= {"fell_s": 0.2, "fully_physical": True}
+    row = performing.Row(clip="wave.bvh", name="wave", certificate=saved)
+    assert track.figures(row)[-1] == "0, fell"
+
+
 def test_clips_of_one_name_get_files_of_their_own():
     assert track.unique(["walk", "run", "walk", "walk_2", "walk"]) == [
         "walk",

@@ -72,7 +72,10 @@ def _dispatch(words: list[str]) -> int:
         print(f"understudy {__version__}")
         return OK
     name, arguments = words[0], words[1:]
-    as_json = "--json" in arguments
+    as_json = "--json" in words
+    if name == "--json":
+        message = f"give a command before --json. Valid: {', '.join(COMMANDS)}."
+        return _fail("understudy", message, BAD_INPUT, as_json)
     if name not in COMMANDS:
         near = difflib.get_close_matches(name, COMMANDS, n=1)
         hint = f" Did you mean {near[0]!r}?" if near else ""

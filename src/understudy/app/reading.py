@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -82,6 +83,37 @@ def _sample(word: str, reading: Reading) -> Clip:
 def _is_bare(word: str) -> bool:
     """Whether a word could be a sample's name, and is no file."""
     return word.isidentifier() and not Path(word).exists()
+
+
+def expanded(words: Sequence[str]) -> tuple[str, ...]:
+    """The words, with the motion files in a folder, by name, in place of a folder.
+
+    Raises:
+        InvalidValue: A folder holds no motion file.
+    """
+    found: list[str] = []
+    for word in words:
+        if word.startswith(SAMPLE) or not Path(word).is_dir():
+            found.append(word)
+            continue
+        files = sorted(path for path in Path(word).iterdir() if _is_motion(path))
+        if not files:
+            raise InvalidValue(f"{word}: holds no motion file (.bvh, .amc, .npz, .csv).")
+        found += [str(path) for path in files]
+    return tuple(found)
+
+
+def _is_motion(path: Path) -> bool:
+    """Whether a file's name says that it is a clip, and, for a table, its first lines."""
+    kind = path.suffix.lower()
+    if not path.is_file() or path.name.startswith(".") or path.name.endswith(".take.npz"):
+        return False
+    if kind not in (".csv", ".tsv"):
+        return kind in (".bvh", ".amc", ".npz")
+    from understudy.motion.orientations import is_orientations
+
+    with path.open("rb") as file:
+        return is_orientations(file.read(65536).decode("utf-8", "replace"))
 
 
 def stem(word: str) -> str:

@@ -7,7 +7,7 @@ import sys
 import textwrap
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,7 +16,7 @@ from tyro.conf import Positional, arg
 from understudy.app.body import Body, check_body
 from understudy.app.outcome import Outcome, table
 from understudy.app.performing import Job, Row, attempted
-from understudy.app.reading import Reading, stem
+from understudy.app.reading import Reading, expanded, stem
 from understudy.app.workers import each
 from understudy.errors import InvalidValue
 
@@ -26,9 +26,9 @@ EXAMPLE = """\
   understudy track walk.bvh --character child --law paper --video"""
 
 HELP_FROM_ABOVE = """\
-help: outside force on the pelvis, mean and peak, in % of body weight. 0 means that nothing but
-contact holds the body. More means that this body, this way, needs a hand from above; a led
-pelvis always does."""
+help: outside force on the pelvis, mean / peak, in % of body weight. 0: nothing but contact holds
+the body. A mean up to 5: it almost stands by itself; 5 to 30: a light hand from above; more: it is
+held up. A led pelvis always is."""
 
 _DIED = "its process died, perhaps for lack of memory; trim the clip or lower --jobs."
 
@@ -42,7 +42,7 @@ class Options(Body, Reading):
     other.
 
     Attributes:
-        clips: Motion files, or samples as sample:NAME.
+        clips: Motion files, folders of them, or samples as sample:NAME.
         law: modern (follows without lag) or paper (Zordan & Hodgins 1999).
         pelvis: led along its path (usual without legs), assisted softly (usual), or free.
         stiffness: Servo stiffness per inertia [1/s^2].
@@ -64,7 +64,7 @@ class Options(Body, Reading):
         Literal["led", "assisted", "free"] | None,
         arg(metavar="{led,assisted,free}", help_behavior_hint="(default: by the body's legs)"),
     ] = None
-    stiffness: Annotated[float | None, arg(metavar="K", help_behavior_hint="(default: by law)")] = (
+    stiffness: Annotated[float | None, arg(metavar="K", help_behavior_hint="(default: 3000)")] = (
         None
     )
     torque_limits: Literal["off", "human"] = "off"
@@ -85,6 +85,7 @@ def run(options: Options) -> Outcome:
     """Perform every clip; one row each."""
     if not options.clips:
         raise InvalidValue("give at least one clip, as: understudy track sample:gesture")
+    options = replace(options, clips=expanded(options.clips))
     count = cores() if options.jobs is None else options.jobs
     if count < 1:
         raise InvalidValue(f"--jobs is {count}; it must be at least 1.")
@@ -192,11 +193,11 @@ def summary(row: Row) -> str:
         return f"failed: {row.error}"
     cells = dict(zip(HEAD[1:], figures(row), strict=True))
     return ", ".join(
-        f"{name} {cells[name]}" for name in ("joints deg", "hands mm", "lag ms", "help %")
+        f"{name} {cells[name]}" for name in ("joints deg rms", "hands mm", "lag ms", "help %")
     )
 
 
-HEAD = ("clip", "seconds", "joints deg", "hands mm", "feet mm", "lag ms", "help %")
+HEAD = ("clip", "seconds", "joints deg rms", "hands mm", "feet mm", "lag ms", "help %")
 
 
 def figures(row: Row) -> tuple[str, ...]:
@@ -215,7 +216,7 @@ def figures(row: Row) -> tuple[str, ...]:
         number(one["hands_mm"], ".1f"),
         number(one["feet_mm"], ".1f"),
         number(one["lag_ms"], "z.0f"),
-        "0" if one["fully_physical"] else held,
+        ("0" if one["fully_physical"] else held) + ("" if one["fell_s"] is None else ", fell"),
     )
 
 
@@ -228,7 +229,9 @@ def text(rows: Sequence[Row]) -> str:
     if len(rows) == 1:
         parts += ["", *folded(done[0].certificate["statement"])]
         parts += [line for note in done[0].notes for line in folded(note, "  ")]
-    parts += ["", HELP_FROM_ABOVE, "", "files:", *(f"  {line}" for line in listed(done))]
+    elif count := sum(len(row.notes) for row in done):
+        parts += ["", f"{counted(count, 'note')} on what was read and changed: in each NAME.html."]
+    parts += ["", "files:", *(f"  {line}" for line in listed(done))]
     if len(done) < len(rows):
         parts += ["", f"{len(rows) - len(done)} of {len(rows)} clips failed."]
     return "\n".join(parts)
@@ -247,3 +250,9 @@ def listed(rows: Sequence[Row]) -> list[str]:
     endings = [Path(path).name.removeprefix(rows[0].name) for path in rows[0].files.values()]
     folders = dict.fromkeys(str(path.parent) for path in paths)
     return [f"{folder}/NAME{{{','.join(endings)}}}" for folder in folders]
+    parts += ["", HELP_FROM_ABOVE]
+def counted(number: int, thing: str) -> str:
+    """A number of things, in words that fit it."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+

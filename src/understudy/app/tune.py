@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import shlex
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -17,7 +18,7 @@ from understudy.app.performing import staged
 from understudy.app.reading import Reading, clip_from, stem
 
 if TYPE_CHECKING:
-    from understudy.tuning import Tuned
+    from understudy.tuning import Trial, Tuned
 
 EXAMPLE = "  understudy tune sample:gesture --law paper --out out"
 
@@ -26,9 +27,9 @@ EXAMPLE = "  understudy tune sample:gesture --law paper --out out"
 class Options(Body, Reading):
     """Search for the servo stiffness that follows a clip best, by gradient.
 
-    The error alone falls with stiffness forever; a cost on torque puts the optimum where more
-    stiffness no longer buys accuracy. Writes NAME_tuning.json, and NAME_tuning.png where matplotlib
-    is installed.
+    The error falls with stiffness to the floor the lag sets; a cost on torque puts the optimum
+    where more stiffness no longer buys accuracy. Writes NAME_tuning.json, and NAME_tuning.png where
+    matplotlib is installed.
 
     Attributes:
         clip: A motion file, or sample:NAME.
@@ -70,7 +71,7 @@ def run(options: Options) -> Outcome:
         text = json.dumps(plain(found), indent=2)
         (folder / f"{name}.json").write_text(text, encoding="utf-8")
         plot(tuned, folder / f"{name}.png")
-    return Outcome(result=found | {"files": files}, text=summary(tuned, files))
+    return Outcome(result=found | {"files": files}, text=summary(options, tuned, files))
 
 
 def result(options: Options, tuned: Tuned) -> dict[str, Any]:
@@ -80,24 +81,58 @@ def result(options: Options, tuned: Tuned) -> dict[str, Any]:
         "best": asdict(tuned.best),
         "trials": [asdict(trial) for trial in tuned.trials],
         "settings": dict(tuned.settings),
-        "units": {"stiffness": "1/s^2", "error": "rad", "torque": "of body weight x height"},
+        "units": {
+            "stiffness": "1/s^2",
+            "error": "rad, mean over joints and frames",
+            "torque": "rms over joints and time, of body weight x height",
+            "cost": "rad",
+        },
     }
 
 
-def summary(tuned: Tuned, files: dict[str, str]) -> str:
-    """The trials as a table, the best one, and the files."""
-    rows = [("stiffness 1/s^2", "error deg", "torque % BW x height", "cost")]
+def summary(options: Options, tuned: Tuned, files: dict[str, str]) -> str:
+    """The trials as a table, the best one, how to use it, and the files."""
+    rows = [("stiffness 1/s^2", "mean error deg", "rms torque % BW x height", "cost deg")]
     rows += [
         (
-            f"{t.stiffness:.0f}",
+            stiffness,
             f"{math.degrees(t.error):.3f}",
             f"{100 * t.torque:.3f}",
-            f"{t.cost:.5f}",
+            f"{math.degrees(t.cost):.3f}",
         )
-        for t in tuned.trials
+        for stiffness, t in distinct(tuned).items()
     ]
-    lines = [table(rows, right=range(4)), "", f"best stiffness: {tuned.best.stiffness:.0f} /s^2"]
-    return "\n".join([*lines, *(f"  {path}" for path in files.values())])
+    best = f"{tuned.best.stiffness:.0f}"
+    lines = [
+        table(rows, right=range(4)),
+        "",
+        "mean error: angle between simulated and reference joints, mean over joints and frames",
+        "(track prints its rms); cost: that plus the weighted torque.",
+        "",
+        f"best stiffness: {best} /s^2",
+        f"use it: {use(options, best)}",
+    ]
+    return "\n".join([*lines, "", "files:", *(f"  {path}" for path in files.values())])
+
+
+def distinct(tuned: Tuned) -> dict[str, Trial]:
+    """The trial of least cost for every stiffness, rounded to three digits."""
+    found: dict[str, Trial] = {}
+    for trial in sorted(tuned.trials, key=lambda t: (t.stiffness, t.cost)):
+        key = f"{float(f'{trial.stiffness:.3g}'):.0f}"
+        if key not in found or trial.cost < found[key].cost:
+            found[key] = trial
+    return found
+
+
+def use(options: Options, stiffness: str) -> str:
+    """The command that performs the clip as it was tuned."""
+    words = ["understudy", "track", options.clip]
+    for name in (*Body.__dataclass_fields__, *Reading.__dataclass_fields__, "law"):
+        value = getattr(options, name)
+        if value != Options.__dataclass_fields__[name].default:
+            words += [f"--{name.replace('_', '-')}", str(value)]
+    return shlex.join([*words, "--stiffness", stiffness])
 
 
 def plot(tuned: Tuned, path: Path) -> None:
@@ -110,15 +145,15 @@ def plot(tuned: Tuned, path: Path) -> None:
     trials = [t for t in tuned.trials if np.isfinite(t.cost)]
     stiffness = np.array([t.stiffness for t in trials])
     lines = {
-        "error [deg]": np.degrees([t.error for t in trials]),
+        "mean error [deg]": np.degrees([t.error for t in trials]),
         "cost [deg]": np.degrees([t.cost for t in trials]),
-        "torque [% of body weight x height]": 100.0 * np.array([t.torque for t in trials]),
+        "rms torque [% of body weight (BW) x height]": 100.0 * np.array([t.torque for t in trials]),
     }
     chart = Chart(
         title=f"Stiffness for {tuned.settings['clip']}: best {tuned.best.stiffness:.0f} /s^2",
-        caption="Cost is error plus the weighted torque; its least value is the best stiffness.",
+        caption="Cost: mean error plus the weighted torque; the best stiffness has the least.",
         x_label="Stiffness [1/s^2]",
-        y_label="see legend",
+        y_label="Angle [deg], torque [% BW x height]",
         series=tuple(Series(name=name, x=stiffness, y=y) for name, y in lines.items()),
         x_scale="log",
     )

@@ -149,6 +149,12 @@ class _Samples:
             raise ClipError(path, "holds no samples; give a header and a row per sample.")
 
     def _header(self, words: list[str], number: int) -> dict[str, int]:
+        if words[0] == "time" and any(word.endswith(".x") for word in words):
+            raise ClipError(
+                self.path,
+                "is a table of joint positions; it cannot be read back as motion; keep .npz or "
+                ".bvh.",
+            )
         columns = _columns(words)
         missing = [c for c in ("time", "segment", "w", "x", "y", "z") if c not in columns]
         if missing:

@@ -186,11 +186,20 @@ def _in_order(
 
 
 def _with_progress(frames: Iterator[Any], count: int, name: str) -> Iterator[Any]:
-    """The same frames, with a progress bar once it takes more than two seconds."""
+    """The same frames, with a progress bar on a terminal once it takes more than two seconds."""
     from tqdm import tqdm
 
     return iter(
-        tqdm(frames, total=count, desc=name, unit="frame", delay=2.0, mininterval=0.5, leave=False)
+        tqdm(
+            frames,
+            total=count,
+            desc=name,
+            unit="frame",
+            delay=2.0,
+            mininterval=0.5,
+            leave=False,
+            disable=None,
+        )
     )
 
 
