@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from understudy.errors import InvalidValue
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
 
@@ -15,11 +16,15 @@ def anthropometric_masses(clip: Clip, mass: float | None = None) -> Array:
     their lengths; a segment without bones gives its mass to the bone that leads to it.
 
     Raises:
-        UnderstudyError: The clip's joints cannot be recognized as a person's.
+        InvalidValue: The clip's joints cannot be recognized as a person's.
     """
     from understudy.character.body import Character
 
     person = Character.from_clip(clip, mass=mass)
+    if not person.humanoid:
+        raise InvalidValue(
+            f"The joints of {clip.name!r} are not recognized as a person's; give the masses by name."
+        )
     skeleton = clip.skeleton
     link_at = {link.clip_joint: k for k, link in enumerate(person.links)}
     owner = np.zeros(len(skeleton), int)  # the link that each joint turns with

@@ -42,6 +42,9 @@ def spec(linkage: Linkage, *, self_collision: SelfCollision = "off") -> mujoco.M
     out.compiler.degree = False
     out.compiler.boundmass = 0.0
     out.compiler.boundinertia = 0.0
+    # As characters', so that the two can be attached to one another; a scene sets its own.
+    out.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    out.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     rest = linkage.skeleton.rest_positions()[None]
     placed, turned = linkage.placed(rest, rot.identity(1, len(linkage)))
     bodies: dict[int, mujoco.MjsBody] = {}
@@ -77,6 +80,11 @@ def spec(linkage: Linkage, *, self_collision: SelfCollision = "off") -> mujoco.M
     return out
 
 
+def equality_names(linkage: Linkage) -> tuple[str, ...]:
+    """Names of its constraints in the model, without a scene's prefix."""
+    return tuple(equality.name for equality in spec(linkage).equalities)
+
+
 def _add_shape(linkage: Linkage, body: mujoco.MjsBody, j: int) -> None:
     import mujoco
 
@@ -95,6 +103,11 @@ def _add_shape(linkage: Linkage, body: mujoco.MjsBody, j: int) -> None:
 def _solimp(linkage: Linkage) -> tuple[float, ...]:
     """The engine's default impedance, with its width of 0.001 in the clip's unit."""
     return (0.9, 0.95, 0.001 * linkage.unit, 0.5, 2.0)
+
+
+def _solimp_of_lock(linkage: Linkage) -> tuple[float, ...]:
+    """Near-rigid: a lock stands against the drive, which a point constraint need not."""
+    return (0.9999, 0.9999, 0.001 * linkage.unit, 0.5, 2.0)
 
 
 def _add_point(out: mujoco.MjSpec, linkage: Linkage, j: int, p: int) -> None:
@@ -128,7 +141,7 @@ def _add_weld(out: mujoco.MjSpec, linkage: Linkage, lock: Lock, j: int, p: int) 
     weld.data[0:3], weld.data[3:6] = linkage.anchors[j], linkage.ends[p]
     weld.data[6:10] = turn
     weld.data[10] = 1.0
-    weld.solref[:], weld.solimp[:] = _SOLREF, _solimp(linkage)
+    weld.solref[:], weld.solimp[:] = _SOLREF, _solimp_of_lock(linkage)
 
 
 def _locked_orientation(linkage: Linkage, lock: Lock, j: int) -> Array:
@@ -185,4 +198,4 @@ def _add_axes(
         )
         equality.data[:5] = 0.0
         equality.data[0] = np.sqrt(2.0) * _LEVER - length
-        equality.solref[:], equality.solimp[:] = _SOLREF, _solimp(linkage)
+        equality.solref[:], equality.solimp[:] = _SOLREF, _solimp_of_lock(linkage)

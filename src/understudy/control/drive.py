@@ -20,6 +20,7 @@ import mujoco
 import numpy as np
 
 from understudy.character import Linkage
+from understudy.character.linkage_model import equality_names
 from understudy.control import drive_laws as laws
 from understudy.control.differences import angular_velocities, checked_order, velocities
 from understudy.errors import InvalidValue
@@ -202,7 +203,9 @@ class Drive:
 
         Raises:
             InvalidValue: K_f or K_p is too large for the time step; the text says what would do.
+                Or the performer is no linkage of the reference's skeleton.
         """
+        self.linkage(scene)
         gain, position, dt = self.gain_in(scene), self.position_gain_in(scene), scene.timestep
         if gain * dt >= _LIMIT:
             raise InvalidValue(
@@ -232,13 +235,12 @@ class Drive:
         self.check(scene)
         if self.law != "modern":
             return
-        part, dt = scene.parts[self.character], scene.timestep
-        bodies = np.isin(model.eq_obj1id, part.bodies)
-        point = bodies & (model.eq_type == int(mujoco.mjtEq.mjEQ_CONNECT))
-        # The engine divides by the impedance's upper end, squared for the stiffness.
-        most = model.eq_solimp[point, 1]
-        model.eq_solref[point, 0] = -((most / dt) ** 2)
-        model.eq_solref[point, 1] = -most / dt
+        prefix, dt = scene.parts[self.character].prefix, scene.timestep
+        for name in equality_names(self.linkage(scene)):
+            equality = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EQUALITY, prefix + name)
+            # The engine divides by the impedance's upper end, squared for the stiffness.
+            most = model.eq_solimp[equality, 1]
+            model.eq_solref[equality, :2] = -((most / dt) ** 2), -most / dt
 
     def start(self, scene: Scene, data: mujoco.MjData) -> None:
         """Begin in the reference's first pose and at its velocity, locked joints as locked."""
