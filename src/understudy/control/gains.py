@@ -29,7 +29,7 @@ LIMP_DAMPING = 1.0
 WEAK_STOPS = {"knee": 143.0, "ankle": 56.0, "ball": 56.0}
 # Least stiffness of a locked joint over the inertia outboard of it [1/s^2], and over what its
 # servo had; its damping is critical.
-LOCKED_STIFFNESS, LOCKED_OVER_SERVO = 3e4, 10.0
+LOCKED_STIFFNESS, LOCKED_OVER_SERVO = 3e4, 40.0
 
 
 def outboard_inertia(model: mujoco.MjModel, part: Part) -> Array:

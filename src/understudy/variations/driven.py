@@ -89,6 +89,8 @@ def weakened(performance: Performance, drive: Drive, name: str, factor: float) -
 def held(performance: Performance, drive: Drive, name: str, at: Any) -> Performance:
     """A joint locked in all axes at "straight", "mean", "start", or a rotation vector [rad]."""
     joint = joint_of(drive, name)
+    if not drive.reference.skeleton.children(drive.reference.skeleton.index(joint)):
+        return performance  # no body hangs on it
     own = drive.reference.joint(joint)
     turn = {
         "straight": lambda: rot.identity(),
