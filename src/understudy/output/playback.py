@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from understudy.character import Linkage
 from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
@@ -219,13 +220,22 @@ def _of_take(take: Take, rate: float) -> Playback:
     times = np.asarray(take.times[chosen], float)
     qpos = np.array(take.qpos[chosen])
     ghost, bodies, ghost_roots = np.array(qpos), [], []
-    for part, reference in zip(take.scene.parts, take.references, strict=True):
+    performers = zip(take.scene.characters, take.scene.parts, take.references, strict=True)
+    for character, part, reference in performers:
         if reference is None:
             continue
         placed, turned = sampled(reference, times)
-        ghost[:, part.qpos] = np.concatenate((placed, turned.reshape(len(times), -1)), axis=1)
+        if isinstance(character, Linkage):
+            pose = replace(reference, rotations=turned, root_positions=placed).forward_kinematics()
+            ghost[:, part.qpos] = character.coordinates(
+                *character.placed(pose.positions, pose.rotations)
+            )
+        else:
+            ghost[:, part.qpos] = np.concatenate((placed, turned.reshape(len(times), -1)), axis=1)
         bodies += part.bodies
-        ghost_roots.append(part.qpos.start)
+        loose = isinstance(character, Linkage) and character.kind != "tree"
+        starts = range(part.qpos.start, part.qpos.stop, 7) if loose else [part.qpos.start]
+        ghost_roots += starts
     named = [clip.name for clip in take.references if clip is not None]
     return Playback(
         model=take.model,
