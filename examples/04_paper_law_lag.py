@@ -13,4 +13,5 @@ for law in ("paper", "modern"):
             f"{law:<6} k = {stiffness:4.0f} /s^2: {score.joint_error_deg:5.2f} deg, "
             f"lag {score.lag_ms:4.0f} ms, hands {score.hands_mm:5.1f} mm"
         )
-print("The paper's damping is a tenth of its stiffness: a lag of 100 ms, however stiff.")
+print("The paper's damping is a tenth of its stiffness: slow motion lags by 100 ms, however stiff,")
+print("and a gesture, which is not slow everywhere, by about as much.")
