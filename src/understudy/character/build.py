@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from numbers import Real
 from typing import Literal
 
 import numpy as np
@@ -36,6 +37,8 @@ _LEGS = ("hip", "knee", "ankle", "ball")
 _SAMPLES = 500
 # Joint limits keep this far from the widest angle of the clip [rad].
 _LIMIT_MARGIN = np.radians(10.0)
+# Masses of any body [kg], and of a person the least, a third of a newborn's.
+_MASSES, _LIGHTEST_PERSON = (0.01, 1000.0), 1.0
 # Hardly a person stands outside this [m]; a wrong unit is likelier.
 _LIKELY = (0.8, 2.3)
 
@@ -103,6 +106,8 @@ def from_clip(
     roles = find_roles(clip, mapping=mapping)
     if not roles:
         return bone_character(clip, mass=mass, mapping=mapping, roles=roles, name=name)
+    if mass is not None:
+        _check_mass(mass, _LIGHTEST_PERSON, _MASSES[1])
     stance = neutral_stance(clip, roles)
     given_height = height
     height, height_note = _stature(clip, roles, height)
@@ -239,10 +244,17 @@ def _check_options(plan: str, inertia: str, mass: float | None, height: float | 
         raise InvalidValue(f"plan is {plan!r}; it must be one of {', '.join(PLANS)}.")
     if inertia not in ("anthropometry", "geometry"):
         raise InvalidValue(f"inertia is {inertia!r}; it must be 'anthropometry' or 'geometry'.")
-    if mass is not None and not (np.isfinite(mass) and 0 < mass <= 1000):
-        raise InvalidValue(f"mass is {mass} kg; it must lie between 0 and 1000.")
-    if height is not None and not (np.isfinite(height) and 0.3 <= height <= 4):
-        raise InvalidValue(f"height is {height} m; it must lie between 0.3 and 4.")
+    if mass is not None:
+        _check_mass(mass, *_MASSES)
+    if height is not None and not (isinstance(height, Real) and 0.3 <= height <= 4):
+        raise InvalidValue(f"height is {height!s:.40} m; it must lie in 0.3 to 4 m (--height).")
+
+
+def _check_mass(mass: float, low: float, high: float) -> None:
+    if not (isinstance(mass, Real) and low <= mass <= high):
+        raise InvalidValue(
+            f"mass is {mass!s:.40} kg; it must lie in {low:g} to {high:g} kg (--mass)."
+        )
 
 
 def _plan_dropped(plan: str) -> tuple[str, ...]:

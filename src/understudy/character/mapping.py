@@ -16,12 +16,14 @@ import os
 import re
 import tomllib
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from understudy.errors import ClipError, UnknownName
 from understudy.motion.figure import ROLES
 from understudy.motion.skeleton import Skeleton
+from understudy.motion.source import regular_bytes
+
+_MOST_BYTES = 1 << 20
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,9 +72,7 @@ def read_mapping(path: str | os.PathLike[str]) -> Mapping:
         ClipError: Not TOML, or a table or key that does not belong there; names the line.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise ClipError(path, f"cannot be read: {error.strerror}.") from None
+        text = regular_bytes(path, what="mapping file", most=_MOST_BYTES).decode()
     except UnicodeDecodeError:
         raise ClipError(path, "is not text; a mapping is a TOML file.") from None
     try:

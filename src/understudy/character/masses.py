@@ -9,6 +9,7 @@ import numpy as np
 from understudy.character import anthropometry as human
 from understudy.character.anthropometry import MassProperties, Segment, combined
 from understudy.character.body import Shape
+from understudy.errors import InvalidValue
 from understudy.motion.figure import PARENTS
 from understudy.motion.rotations import Array
 
@@ -146,6 +147,9 @@ def measured_properties(
     Args:
         shapes: Shapes per link; those of zero density count for nothing.
         total: When given, all masses and inertias are scaled to add up to this [kg].
+
+    Raises:
+        InvalidValue: More solids, or stranger ones, than the engine builds.
     """
     import mujoco
 
@@ -159,7 +163,13 @@ def measured_properties(
         for n, shape in enumerate(shapes[name]):
             if shape.density > 0:
                 add_shape(spec, body, f"g{k}_{n}", shape)
-    model = spec.compile()
+    try:
+        model = spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        raise InvalidValue(
+            f"The engine cannot build this body of {len(names)} links ({str(error).strip()}). "
+            "Drop joints with a mapping (--mapping)."
+        ) from None
     scale = 1.0 if total is None else total / float(model.body_mass[1:].sum())
     out = {}
     for k, name in enumerate(names, 1):

@@ -5,8 +5,10 @@ World frame: right-handed, z up, meters, seconds, radians. Nothing here knows ph
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from numbers import Real
 from typing import Literal
 
 import numpy as np
@@ -15,6 +17,22 @@ from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
 from understudy.motion.skeleton import Skeleton, frozen_array
+
+# Frames per second that a motion can have [Hz]: BVH files state up to 100 s a frame, and nothing
+# that moves is recorded faster than this.
+RATES = (0.01, 1e5)
+
+
+def check_rate(rate: float, name: str = "rate") -> float:
+    """The rate [Hz], when it can be meant.
+
+    Raises:
+        InvalidValue: No number, or outside `RATES`.
+    """
+    low, high = RATES
+    if not (isinstance(rate, Real) and low <= rate <= high):
+        raise InvalidValue(f"{name} is {rate!s:.40} Hz; it must lie in {low:g} to {high:g} Hz.")
+    return float(rate)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,8 +123,7 @@ class Clip:
                 f"{len(turned)} frames of rotations and {len(path)} of root positions; "
                 "a clip needs the same number, at least one."
             )
-        if not (np.isfinite(self.rate) and 0 < self.rate <= 1e5):
-            raise InvalidValue(f"rate is {self.rate} Hz; it must be positive and at most 100000.")
+        rate = check_rate(self.rate)
         length = np.sqrt(np.einsum("...i,...i->...", turned, turned))
         if np.any(length < 1e-6):
             raise InvalidValue("A joint rotation is the zero quaternion.")
@@ -119,7 +136,8 @@ class Clip:
         set_ = object.__setattr__
         set_(self, "rotations", turned)
         set_(self, "root_positions", path)
-        set_(self, "rate", float(self.rate))
+        set_(self, "rate", rate)
+        set_(self, "name", _readable(self.name))
         set_(self, "notes", tuple(self.notes))
 
     def __eq__(self, other: object) -> bool:
@@ -227,3 +245,15 @@ class Clip:
         from understudy.motion import repair
 
         return repair.repaired(self)
+
+
+def _readable(name: str) -> str:
+    """A name that can be written as UTF-8: file names may hold bytes that are no text."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        try:
+            return os.fsencode(name).decode("utf-8", "replace")
+        except UnicodeEncodeError:
+            return name.encode("utf-8", "replace").decode()
+    return name

@@ -6,12 +6,12 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-from understudy.errors import ClipError
+from understudy.errors import ClipError, InvalidValue
 from understudy.motion import amass, npz, orientations
 from understudy.motion.acclaim import read_acclaim
 from understudy.motion.bvh import read_bvh
 from understudy.motion.clip import Clip
-from understudy.motion.settle import checked_options
+from understudy.motion.settle import checked_options, doubts
 from understudy.motion.source import decoded, file_bytes
 
 SUPPORTED = (
@@ -48,20 +48,28 @@ def read(
         ClipError: The file cannot be read; one line with file, line, value and remedy.
         InvalidValue: An option that cannot be meant.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise InvalidValue(f"path is {path!r:.40}; it must be the name of a motion file.")
     checked_options(up, rate, t_pose)
     kind = _kind(path)
+    if asf is not None and kind != "acclaim":
+        raise InvalidValue(f"asf (--asf) is the skeleton of an AMC file, and {path} is none.")
     if kind == "bvh":
         return read_bvh(path, up=up, unit=unit, rate=rate, t_pose=t_pose)
     if kind == "acclaim":
         return read_acclaim(path, asf=asf, up=up, unit=unit, rate=rate, t_pose=t_pose)
     if kind == "orientations":
-        return orientations.read_orientations(path, up=up, unit=unit, rate=rate)
+        return _doubted(orientations.read_orientations(path, up=up, unit=unit, rate=rate))
     data = file_bytes(path)
     if npz.is_clip(data):
         clip = npz.clip_of(npz.arrays_of(data, path), path)
         return clip if rate is None else replace(clip, rate=rate)
     arrays = npz.arrays_of(data, path, amass.ARRAYS)
-    return amass.clip_of_amass(arrays, path, up=up, rate=rate)
+    return _doubted(amass.clip_of_amass(arrays, path, up=up, rate=rate))
+
+
+def _doubted(clip: Clip) -> Clip:
+    return clip.noted(*doubts(clip.frames, clip.rate))
 
 
 def _kind(path: str | os.PathLike[str]) -> str:

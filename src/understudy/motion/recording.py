@@ -7,8 +7,7 @@ Every reader that must find out axes and units makes one; `understudy.motion.set
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-
-import numpy as np
+from numbers import Real
 
 from understudy.errors import InvalidValue
 from understudy.motion.rotations import Array
@@ -23,6 +22,10 @@ UNITS = {
     "ft": 0.3048,
     "cmu": 0.0254 / 0.45,
 }
+
+
+# From a micrometer to a kilometer.
+UNIT_RANGE = (1e-6, 1e3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,14 +70,19 @@ def unit_in_meters(unit: float | str) -> float:
     """Meters per file unit, from a number or one of the names in `UNITS`.
 
     Raises:
-        InvalidValue: Another name, or a number that is not positive.
+        InvalidValue: Another name, or a number outside `UNIT_RANGE`.
     """
     if isinstance(unit, str):
         if unit not in UNITS:
             raise InvalidValue(
-                f"unit is {unit!r}; it must be a number of meters or one of {', '.join(UNITS)}."
+                f"unit (--unit) is {unit!r:.40}; it must be a number of meters or one of "
+                f"{', '.join(UNITS)}."
             )
         return UNITS[unit]
-    if not (np.isfinite(unit) and unit > 0):
-        raise InvalidValue(f"unit is {unit} m; it must be a positive number.")
+    low, high = UNIT_RANGE
+    if not (isinstance(unit, Real) and low <= unit <= high):
+        raise InvalidValue(
+            f"unit (--unit) is {unit!s:.40} m; it must lie in {low:g} to {high:g} m, or be one of "
+            f"{', '.join(UNITS)}."
+        )
     return float(unit)

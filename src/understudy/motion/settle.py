@@ -12,10 +12,14 @@ import numpy as np
 from understudy.errors import ClipError, InvalidValue
 from understudy.motion import detection
 from understudy.motion import rotations as rot
-from understudy.motion.clip import Clip, Conventions
+from understudy.motion.clip import Clip, Conventions, check_rate
 from understudy.motion.recording import Recording, unit_in_meters
 from understudy.motion.rotations import Array
 from understudy.motion.skeleton import Skeleton
+
+# With fewer frames there is no acceleration to speak of, so nothing to judge.
+FEW_FRAMES = 4
+USUAL_RATES = (5.0, 1000.0)
 
 
 def checked_options(up: str | None, rate: float | None, t_pose: str) -> None:
@@ -26,10 +30,25 @@ def checked_options(up: str | None, rate: float | None, t_pose: str) -> None:
     """
     if up not in (None, "x", "y", "z"):
         raise InvalidValue(f"up is {up!r}; it must be 'x', 'y', 'z' or None to detect it.")
-    if rate is not None and not (np.isfinite(rate) and 0 < rate <= 1e5):
-        raise InvalidValue(f"rate is {rate} Hz; it must be positive and at most 100000.")
+    if rate is not None:
+        check_rate(rate, "rate (--rate)")
     if t_pose not in ("auto", "keep", "drop"):
         raise InvalidValue(f"t_pose is {t_pose!r}; it must be 'auto', 'keep' or 'drop'.")
+
+
+def doubts(frames: int, rate: float) -> list[str]:
+    """Warnings about what was hardly captured so: too few frames, or an unlikely rate [Hz]."""
+    notes = []
+    if frames < FEW_FRAMES:
+        count = "one frame" if frames == 1 else f"{frames} frames"
+        notes.append(f"Has only {count}: too short to judge how well a body performs it.")
+    low, high = USUAL_RATES
+    if not low <= rate <= high:
+        notes.append(
+            f"{rate:g} frames per second is hardly a rate of capture ({low:g} to {high:g}); pass "
+            "rate= (--rate) if the file is wrong."
+        )
+    return notes
 
 
 def settled(
@@ -77,6 +96,9 @@ def settled(
         lift, more = detection.lift_from_zero(skeleton, rotations, path)
         notes += more
         notes += detection.rate_notes(skeleton, rotations, path, hertz)
+        notes += doubts(len(rotations), hertz)
+        if not (skeleton.offsets[1:].any() or skeleton.end_offsets.any()):
+            notes.append("No bone has a length: only turns and the root's path can be followed.")
         return Clip(
             skeleton=skeleton,
             rotations=rotations,

@@ -6,6 +6,7 @@ Comes in: a path. Goes out: bytes or text small enough to hold, or a `ClipError`
 from __future__ import annotations
 
 import os
+import stat
 from pathlib import Path
 
 from understudy.errors import ClipError
@@ -22,24 +23,56 @@ def file_bytes(path: str | os.PathLike[str]) -> bytes:
     Raises:
         ClipError: No such file, a folder, not permitted, empty, or larger than 512 MiB.
     """
-    file = Path(path)
-    try:
-        if file.is_dir():
-            raise ClipError(path, "is a folder; give the name of one motion file.")
-        size = file.stat().st_size
-        if size > MAX_BYTES:
-            raise ClipError(
-                path, f"has {size / 2**20:.0f} MiB; at most 512 MiB are read, so split the file."
-            )
-        data = file.read_bytes()
-    except FileNotFoundError:
-        raise ClipError(path, "no such file; check the name and the folder.") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise ClipError(path, f"cannot be read: {reason}.") from None
+    data = regular_bytes(path, what="motion file", most=MAX_BYTES)
     if data.isspace() or not data:
         raise ClipError(path, "is empty; export the motion again.")
     return plain(data)
+
+
+def regular_bytes(path: str | os.PathLike[str], *, what: str, most: int) -> bytes:
+    """The bytes of a file that is really one: a device or a pipe could go on forever.
+
+    Args:
+        path: The file.
+        what: What it should be, for the messages.
+        most: Bytes read at most.
+
+    Raises:
+        ClipError: No such file, a folder, a device or a pipe, not permitted, or larger.
+    """
+    try:
+        check_regular(path, what=what)
+        with Path(path).open("rb") as file:
+            data = file.read(most + 1)
+    except FileNotFoundError:
+        raise ClipError(path, "no such file; check the name and the folder.") from None
+    except (OSError, ValueError) as error:
+        if isinstance(error, ClipError):
+            raise
+        reason = getattr(error, "strerror", None) or error
+        raise ClipError(path, f"cannot be read: {reason}.") from None
+    if len(data) > most:
+        size = Path(path).stat().st_size
+        raise ClipError(
+            path,
+            f"has {max(size, most + 1) / 2**20:.0f} MiB; at most {most / 2**20:.0f} MiB are read, "
+            "so split the file.",
+        )
+    return data
+
+
+def check_regular(path: str | os.PathLike[str], *, what: str) -> None:
+    """Refuse what is no file with an end.
+
+    Raises:
+        ClipError: A folder, a device or a pipe.
+        OSError: No such file, or not permitted.
+    """
+    mode = Path(path).stat().st_mode
+    if stat.S_ISDIR(mode):
+        raise ClipError(path, f"is a folder; give the name of one {what}.")
+    if not stat.S_ISREG(mode):
+        raise ClipError(path, f"is a device or a pipe; give the name of one {what}.")
 
 
 def plain(data: bytes) -> bytes:
