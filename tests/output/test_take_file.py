@@ -152,3 +152,64 @@ def test_value_that_is_no_plain_data_is_refused(take: Take, tmp_path: Path) -> N
     with pytest.raises(UnderstudyError, match=r"take\.facts\.law is a builtin"):
         save_take(odd, tmp_path / "odd.npz")
     assert not list(tmp_path.iterdir())
+
+
+def test_runs_differ_only_in_their_computing_times(take: Take, tmp_path: Path) -> None:
+    for name, seconds in (("a.npz", 1.0), ("b.npz", 2.0)):
+        facts = {**take.facts, "cpu_seconds": seconds}
+        save_take(dataclasses.replace(take, facts=facts), tmp_path / name)
+        assert load_take(tmp_path / name).facts == facts
+    documents = []
+    with zipfile.ZipFile(tmp_path / "a.npz") as a, zipfile.ZipFile(tmp_path / "b.npz") as b:
+        assert all(entry.date_time == (1980, 1, 1, 0, 0, 0) for entry in a.infolist())
+        arrays = [name for name in a.namelist() if name != "take.json"]
+        assert all(a.read(name) == b.read(name) for name in arrays)
+        documents = [json.loads(file.read("take.json")) for file in (a, b)]
+    assert documents[0] != documents[1]
+    for document in documents:
+        del document["timing"]
+    assert documents[0] == documents[1]
+
+
+def test_the_same_take_is_the_same_bytes(take: Take, tmp_path: Path) -> None:
+    save_take(take, tmp_path / "a.npz")
+    save_take(take, tmp_path / "b.npz")
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+@pytest.mark.parametrize("rate", [None, 1e30, 0.0, "fast"])
+def test_a_rate_that_no_take_has_is_refused(rate: object, stored: Path, tmp_path: Path) -> None:
+    def change(document: dict) -> None:
+        document["take"]["fields"]["rate"] = rate
+
+    with pytest.raises(UnderstudyError, match="has rate"):
+        load_take(_changed(stored, tmp_path, change))
+
+
+@pytest.mark.parametrize("value", [float("nan"), -0.5, 2.0])
+def test_a_color_that_cannot_be_drawn_is_refused(
+    value: float, stored: Path, tmp_path: Path
+) -> None:
+    def change(document: dict) -> None:
+        text = json.dumps(document)
+        start = text.index('"rgba": {"tuple": [') + len('"rgba": {"tuple": [')
+        text = text[:start] + json.dumps(value) + text[text.index(",", start) :]
+        document.clear()
+        document.update(json.loads(text))
+
+    with pytest.raises(UnderstudyError, match="a color is four"):
+        load_take(_changed(stored, tmp_path, change))
+
+
+def _changed(stored: Path, folder: Path, change) -> Path:
+    """A copy of a take file with another JSON text."""
+    path = folder / "changed.npz"
+    with zipfile.ZipFile(stored) as old, zipfile.ZipFile(path, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            if name == "take.json":
+                document = json.loads(data)
+                change(document)
+                data = json.dumps(document).encode()
+            new.writestr(name, data)
+    return path

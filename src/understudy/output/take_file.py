@@ -22,8 +22,9 @@ from typing import Any, cast
 import mujoco
 import numpy as np
 
-from understudy.errors import UnderstudyError
+from understudy.errors import ClipError, InvalidValue, UnderstudyError
 from understudy.motion.files import written
+from understudy.motion.source import check_regular
 from understudy.take import Take
 
 _FORMAT, _VERSION = "understudy take", 1
@@ -31,6 +32,10 @@ _ENTRY = "take.json"
 # Only these packages have values that a take is made of.
 _HOMES = ("understudy.motion.", "understudy.character.", "understudy.scene.", "understudy.take")
 _NOT_STORED = {"performance", "model"}
+# Facts that differ from run to run.
+_TIMING = ("cpu_seconds",)
+# Frames per second of a take: one for each step of the engine [Hz].
+_RATES = (0.01, 1e7)
 _MOST_BYTES = 8 * 2**30
 _DEPTH = 40
 _OPTIONS = ("integrator", "cone", "jacobian", "solver", "iterations", "disableflags", "enableflags")
@@ -44,22 +49,35 @@ def save_take(take: Take, path: str | PathLike[str]) -> None:
     Raises:
         UnderstudyError: The file cannot be written, or the scene holds a value that is not plain
             data, such as a prop with a function.
+
+    The same take gives the same bytes, but for the computing times, which stand under "timing" of
+    the JSON text and are facts of the take again once it is read.
     """
     arrays: dict[str, np.ndarray] = {}
+    timing = {name: take.facts[name] for name in _TIMING if name in take.facts}
+    facts = {name: value for name, value in take.facts.items() if name not in timing}
     document = {
         "format": _FORMAT,
         "version": _VERSION,
         "engine": mujoco.__version__,
-        "take": _plain(take, arrays, "take"),
+        "timing": _plain(timing, arrays, "timing"),
+        "take": _plain(dataclasses.replace(take, facts=facts), arrays, "take"),
         "model": _plain(_changes(take.scene.model, take.model), arrays, "model"),
     }
     text = json.dumps(document, allow_nan=True)
     with written(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_STORED) as file:
-        file.writestr(_ENTRY, text, zipfile.ZIP_DEFLATED, 6)
+        file.writestr(_dateless(_ENTRY), text, zipfile.ZIP_DEFLATED, 6)
         for name, array in arrays.items():
             block = io.BytesIO()
             np.lib.format.write_array(block, np.ascontiguousarray(array), allow_pickle=False)
-            file.writestr(f"{name}.npy", block.getvalue())
+            file.writestr(_dateless(f"{name}.npy"), block.getvalue())
+
+
+def _dateless(name: str) -> zipfile.ZipInfo:
+    """An entry without the time of day, so that the same take gives the same bytes."""
+    entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+    entry.external_attr = 0o644 << 16
+    return entry
 
 
 def load_take(path: str | PathLike[str]) -> Take:
@@ -69,9 +87,14 @@ def load_take(path: str | PathLike[str]) -> Take:
         UnderstudyError: No such file, or it is no take file, damaged, or of another version; one
             line that says which.
     """
+    if not isinstance(path, str | PathLike):
+        raise InvalidValue(f"path is {path!r:.40}; it must be the name of a take file.")
     try:
+        check_regular(path, what="take file")
         with zipfile.ZipFile(Path(path)) as file:
             return _read(file)
+    except ClipError:
+        raise
     except UnderstudyError as error:
         raise UnderstudyError(f"{path}: {error}") from error
     except FileNotFoundError as error:
@@ -100,9 +123,10 @@ def load_take(path: str | PathLike[str]) -> Take:
 def is_take_file(path: str | PathLike[str]) -> bool:
     """Whether a file looks like one that `save_take` wrote; never raises."""
     try:
+        check_regular(path, what="take file")
         with zipfile.ZipFile(Path(path)) as file:
             return _ENTRY in file.namelist()
-    except (OSError, ValueError, zipfile.BadZipFile):
+    except (ClipError, OSError, TypeError, ValueError, zipfile.BadZipFile):
         return False
 
 
@@ -124,7 +148,13 @@ def _read(file: zipfile.ZipFile) -> Take:
     if document["take"]["type"] != f"{Take.__module__}.{Take.__qualname__}":
         raise UnderstudyError("holds no take.")
     fields = reader.fields(document["take"], Take)
+    _check_scalars(fields)
+    timing = reader.value(document.get("timing", {"pairs": []}))
+    if not isinstance(timing, dict):
+        raise UnderstudyError("states computing times that are none.")
+    fields["facts"] = {**fields.get("facts", {}), **timing}
     scene = fields["scene"]
+    _check_colors(scene)
     model = copy.copy(scene.model)
     for name, value in reader.value(document["model"]).items():
         _set(model, name, value)
@@ -138,7 +168,35 @@ def _read(file: zipfile.ZipFile) -> Take:
             raise UnderstudyError(f"{name} has values that are not finite.")
     if take.frames < 1 or len(take.references) != len(scene.characters):
         raise UnderstudyError("has no frames, or not one reference for each character.")
+    if not np.isfinite(take.times).all() or np.any(np.diff(take.times) <= 0.0):
+        raise UnderstudyError("has times that do not rise from frame to frame.")
     return take
+
+
+def _check_scalars(fields: dict[str, Any]) -> None:
+    """Refuse single values that no take has."""
+    rate, low, high = fields.get("rate"), *_RATES
+    if not (isinstance(rate, int | float) and low <= rate <= high):
+        raise UnderstudyError(f"has rate {rate!r:.40}; a take has {low:g} to {high:g} Hz.")
+    moment = fields.get("diverged")
+    if moment is not None and not (isinstance(moment, int | float) and np.isfinite(moment)):
+        raise UnderstudyError(f"diverged at {moment!r:.40}, which is no time.")
+    if not isinstance(fields.get("facts", {}), dict):
+        raise UnderstudyError("states facts that are none.")
+
+
+def _check_colors(scene: Any) -> None:
+    """Refuse colors that could not be drawn."""
+    for character in scene.characters:
+        for part in getattr(character, "links", ()):
+            for shape in getattr(part, "shapes", ()):
+                color = np.asarray(shape.rgba, float)
+                # A NaN fails the comparison too.
+                if color.shape != (4,) or not ((color >= 0.0) & (color <= 1.0)).all():
+                    raise UnderstudyError(
+                        f"colors {part.name!r} with {color.tolist()!s:.60}; a color is four "
+                        "numbers from 0 to 1."
+                    )
 
 
 def _plain(value: Any, arrays: dict[str, np.ndarray], where: str) -> Any:
