@@ -1,4 +1,4 @@
-"""The programs in the README and the documentation run as they stand."""
+"""The programs in the documentation run as they stand; test_package.py runs the README's."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 def programs() -> list[tuple[str, str]]:
     """Every block of Python that begins with an import, and where it stands; others are parts."""
     found = []
-    for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
+    for page in sorted((ROOT / "docs").glob("*.md")):
         for number, match in enumerate(BLOCK.finditer(page.read_text(encoding="utf-8")), 1):
             if match[1].startswith(("import ", "from ")):
                 found.append((f"{page.name}:{number}", match[1]))
@@ -25,7 +25,6 @@ def programs() -> list[tuple[str, str]]:
 
 def test_the_pages_hold_programs():
     assert {name.split(":")[0] for name, _ in programs()} >= {
-        "README.md",
         "character.md",
         "motion.md",
         "output.md",

@@ -21,11 +21,16 @@ def test_info_describes_the_clip_and_its_body(short, capfd):
     assert found["rate_hz"] == pytest.approx(60.0, rel=1e-4)
     assert found["duration_s"] == pytest.approx(0.6, abs=1e-3)
     assert found["skeleton"][0]["parent"] is None
-    assert any("feet" in note for note in found["preparation"])
+    assert found["preparation"] == []  # both feet stand where they should
     body = found["character"]
     assert body["roles"]["left_knee"] == "left_knee"
     assert body["height_m"] == pytest.approx(1.75, abs=0.05)
     assert sum(link["mass_kg"] for link in body["links"]) == pytest.approx(body["mass_kg"])
+
+
+def test_info_says_what_would_be_changed(capfd):
+    found = answer(capfd, "info", "sample:walk")
+    assert any("feet" in note for note in found["preparation"])
 
 
 def test_info_is_readable(short, capsys):
