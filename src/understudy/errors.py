@@ -64,7 +64,8 @@ class Diverged(UnderstudyError):
         self.where = where
         self.take = take
         super().__init__(
-            f"The simulation diverged at {time:.3f} s in {where!r}; the take up to then is kept. "
+            f"The simulation diverged at {time:.3f} s in {where!r}"
+            f"{'' if take is None else '; the take up to then is kept'}. "
             "Lower the stiffness or the time step, or repair the clip there."
         )
 

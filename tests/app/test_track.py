@@ -131,7 +131,7 @@ def test_a_divergence_keeps_the_take_and_is_status_1(short, tmp_path, monkeypatc
     assert main(["track", str(short), "--out", str(tmp_path)]) == 1
     assert "left_hand" in capsys.readouterr().err
     (kept,) = names(tmp_path)
-    assert kept == "wave_until_0.60s.take.npz"
+    assert kept == "wave_until_0.600s.take.npz"
 
 
 def test_an_interrupt_keeps_what_is_finished(short, tmp_path, monkeypatch, capsys):

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from tyro.conf import Positional, arg
 
 from understudy.app.outcome import Outcome
-from understudy.app.reading import Reading, clip_from
+from understudy.app.reading import Reading, clip_from, inputs
 from understudy.errors import InvalidValue
+from understudy.motion.files import same_file
 
 if TYPE_CHECKING:
     from understudy.motion.clip import Clip
@@ -49,6 +50,11 @@ def run(options: Options) -> Outcome:
     """Convert one file."""
     import understudy as us
 
+    for source in inputs([options.source], options):
+        if same_file(source, options.target):
+            raise InvalidValue(
+                f"{options.target}: is the file to be read; give the copy another name."
+            )
     clip = edited(clip_from(options.source, options), options)
     us.write(clip, options.target)
     result: dict[str, Any] = {

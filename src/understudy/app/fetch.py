@@ -11,6 +11,7 @@ from tyro.conf import Positional, arg
 
 from understudy.app.outcome import Outcome, table
 from understudy.app.performing import staged
+from understudy.errors import InvalidValue
 
 EXAMPLE = "  understudy fetch cmu/02_01 --out clips"
 
@@ -42,6 +43,8 @@ def run(options: Options) -> Outcome:
     import understudy as us
     from understudy.motion import fetch as sources
 
+    if options.out is not None and not options.names:
+        raise InvalidValue("--out needs names: say which motions to download.")
     known = {name: sources.source(name) for name in options.names or sources.fetchable()}
     listed = {name: {"motion": s.motion, "terms": s.terms} for name, s in known.items()}
     if not options.names:

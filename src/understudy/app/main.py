@@ -13,11 +13,13 @@ import json
 import os
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from understudy import __version__
 from understudy.app.outcome import Outcome, plain
+from understudy.app.streams import lasting, stoppable
 from understudy.errors import Diverged, UnderstudyError
 
 OK, PARTLY, BAD_INPUT, DEFECT, INTERRUPTED = 0, 1, 2, 3, 130
@@ -56,12 +58,15 @@ Example:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status."""
     words = list(sys.argv[1:] if argv is None else argv)
-    try:
-        return _dispatch(words)
-    except BrokenPipeError:  # the reader of our output went away, as `head` does
-        with contextlib.suppress(OSError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        return OK
+    with lasting() as (out, err), stoppable():
+        status = _dispatch(words)
+        out.flush()
+        # Where the reader of our output went away, as `head` does, nothing is amiss.
+        if out.problem is not None and not isinstance(out.problem, BrokenPipeError):
+            reason = out.problem.strerror or out.problem
+            print(f"understudy: standard output cannot be written: {reason}.", file=err)
+            return status or PARTLY
+        return status
 
 
 def _dispatch(words: list[str]) -> int:
@@ -73,6 +78,10 @@ def _dispatch(words: list[str]) -> int:
         return OK
     name, arguments = words[0], words[1:]
     as_json = "--json" in words
+    valued = [word for word in arguments if word.startswith("--json=")]
+    if valued and name in COMMANDS:
+        message = f"--json takes no value; write --json instead of {valued[0]}."
+        return _fail(f"understudy {name}", message, BAD_INPUT, as_json)
     if name == "--json":
         message = f"give a command before --json. Valid: {', '.join(COMMANDS)}."
         return _fail("understudy", message, BAD_INPUT, as_json)
@@ -136,10 +145,41 @@ def _one_line(boxed: str, name: str) -> str:
     if text.startswith("Missing from") and len(message) > 1:
         text = f"{message[1]} is missing"
     # A value of none of an option's types: which types were tried is no help to a person.
+    text = _choices(text)
+    text = re.sub(r"argument '(--[\w-]+)'", r"\1", text)
+    text = re.sub(
+        r"Error parsing (--[\w-]+): (?:could not convert string to float|invalid literal for "
+        r"int\(\) with base 10): '(.*)'",
+        _no_number,
+        text,
+    )
     text = re.sub(
         r": no type matching .* instantiated from \[(.*?)\].*", r": it cannot be \1", text
     )
-    return f"{text}.{f' Did you mean {near[0]}?' if meant else ''} See: understudy {name} --help"
+    text = re.sub(r"Error parsing (--[\w-]+): it cannot be ''", r"\1 needs a value", text)
+    text += "" if text.endswith("?") else "."
+    return f"{text}{f' Did you mean {near[0]}?' if meant else ''} See: understudy {name} --help"
+
+
+def _choices(text: str) -> str:
+    """A refused choice: the choices in order, None left out, and the nearest one."""
+    found = re.search(r"invalid choice '(.*?)' for .*?\. Expected one of \((.*?)\)", text)
+    if not found:
+        return text
+    valid = sorted(set(re.findall(r"'(.*?)'", found[2])) - {"None"})
+    folded = {choice.lower(): choice for choice in valid}
+    near = difflib.get_close_matches(found[1].lower(), folded, n=1)
+    listed = ", ".join(repr(choice) for choice in valid)
+    meant = f". Did you mean {folded[near[0]]!r}?" if near else ""
+    return text.replace(f"Expected one of ({found[2]})", f"Expected one of {listed}{meant}")
+
+
+def _no_number(found: re.Match[str]) -> str:
+    """A word that is no number, or no whole one."""
+    if not found[2]:
+        return f"{found[1]} needs a value"
+    kind = "whole number" if "int()" in found[0] else "number"
+    return f"{found[1]} is {found[2]!r}, which is no {kind}"
 
 
 def _run(name: str, arguments: list[str], as_json: bool) -> int:
@@ -150,10 +190,11 @@ def _run(name: str, arguments: list[str], as_json: bool) -> int:
             outcome: Outcome = importlib.import_module(f"understudy.app.{name}").run(options)
     except SystemExit as end:
         return int(end.code or OK)
-    except BrokenPipeError:
-        raise
-    except KeyboardInterrupt:
-        return _fail(who, "interrupted; finished files are kept.", INTERRUPTED, as_json)
+    except KeyboardInterrupt as stop:
+        status = getattr(stop, "status", INTERRUPTED)
+        word = "interrupted" if status == INTERRUPTED else "told to end"
+        done = getattr(stop, "result", {})
+        return _fail(who, f"{word}; finished files are kept.", status, as_json, done)
     except Exception as error:
         if os.environ.get("UNDERSTUDY_DEBUG"):
             raise
@@ -162,7 +203,6 @@ def _run(name: str, arguments: list[str], as_json: bool) -> int:
         print(json.dumps(plain(outcome.result), indent=2, allow_nan=False))
     elif outcome.text:
         print(outcome.text)
-    sys.stdout.flush()
     return outcome.status
 
 
@@ -172,8 +212,14 @@ def explained(error: Exception) -> tuple[str, int]:
         return str(error), PARTLY
     if isinstance(error, UnderstudyError):
         return str(error), BAD_INPUT
-    if isinstance(error, OSError) and error.filename is not None:
-        return f"{error.filename}: {error.strerror}.", BAD_INPUT
+    if isinstance(error, OSError):
+        try:
+            Path.cwd()
+        except OSError:
+            return "the current folder is there no more; change to another.", BAD_INPUT
+        reason = error.strerror or " ".join(str(error).split()) or type(error).__name__
+        where = "" if error.filename is None else f"{error.filename}: "
+        return f"{where}{reason}.", BAD_INPUT
     if isinstance(error, MemoryError):
         return "not enough memory for this clip; trim it or resample it first.", PARTLY
     text = " ".join(str(error).split())
@@ -184,13 +230,19 @@ def explained(error: Exception) -> tuple[str, int]:
     )
 
 
-def _fail(who: str, message: str, status: int, as_json: bool) -> int:
+def _fail(
+    who: str,
+    message: str,
+    status: int,
+    as_json: bool,
+    done: Mapping[str, Any] | None = None,
+) -> int:
+    """Say what went wrong, under --json beside what was done before; the status."""
     message = " ".join(message.split())
     if as_json:
-        print(json.dumps({"error": message, "status": status}))
+        print(json.dumps({**plain(done or {}), "error": message, "status": status}))
     else:
         print(f"{who}: {message}", file=sys.stderr)
-    sys.stdout.flush()
     return status
 
 

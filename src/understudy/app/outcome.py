@@ -24,6 +24,20 @@ class Outcome:
     status: int = 0
 
 
+class Interrupted(KeyboardInterrupt):
+    """A command that was told to stop, with what it had finished.
+
+    Attributes:
+        result: What `--json` prints of the finished part.
+        status: Exit status of the process: 130 for Ctrl-C, 143 for a request to end.
+    """
+
+    def __init__(self, *, result: Mapping[str, Any] | None = None, status: int = 130):
+        super().__init__()
+        self.result = dict(result or {})
+        self.status = status
+
+
 def plain(value: Any) -> Any:
     """The same value in types JSON knows; NaN and infinity become null."""
     if isinstance(value, Mapping):

@@ -9,16 +9,18 @@ from __future__ import annotations
 import json
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from understudy.app.body import Body, character_for
 from understudy.app.outcome import plain
 from understudy.app.reading import Reading, clip_from
-from understudy.errors import Diverged, UnderstudyError
+from understudy.errors import ControllerFailed, Diverged, InvalidValue, UnderstudyError
+from understudy.motion.files import same_file, writable
 
 if TYPE_CHECKING:
     from understudy.take import Take
@@ -36,6 +38,7 @@ class Job:
         body: Who performs it.
         settings: Keyword arguments of `understudy.track`.
         kinds: Endings of the optional files wanted: ".mp4", ".png".
+        keep: Files that are read by this job or another, so not to be written.
     """
 
     clip: str
@@ -45,6 +48,13 @@ class Job:
     body: Body
     settings: dict[str, Any] = field(default_factory=dict)
     kinds: tuple[str, ...] = ()
+    keep: tuple[Path, ...] = ()
+
+    @property
+    def targets(self) -> tuple[Path, ...]:
+        """The files that a clip performed well leaves behind."""
+        endings = ("_sim.bvh", "_sim.glb", ".take.npz", ".html", ".json", *self.kinds)
+        return tuple(self.folder / f"{self.name}{ending}" for ending in endings)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +90,10 @@ def attempted(job: Job) -> Row:
         return performed(job)
     except Exception as error:
         message, status = explained(error)
-        files = _kept(job, error.take) if isinstance(error, Diverged) else {}
+        files = {}
+        if isinstance(error, Diverged | ControllerFailed):
+            files = _kept(job, error)
+            message = _partial(message, files)
         return Row(clip=job.clip, name=job.name, error=message, status=status, files=files)
 
 
@@ -98,7 +111,7 @@ def performed(job: Job) -> Row:
     character = character_for(clip, job.body)
     take = us.track(clip, character, **job.settings)
     found, (reference,) = certificate(take), take.references
-    with staged(job.folder, job.name) as (folder, files):
+    with staged(job.folder, job.name, keep=job.keep) as (folder, files):
         write_all(take, folder, job)
         text = json.dumps(plain(found), indent=2, ensure_ascii=False, allow_nan=False)
         (folder / f"{job.name}.json").write_text(text + "\n", encoding="utf-8")
@@ -122,43 +135,98 @@ def write_all(take: Take, folder: Path, job: Job) -> None:
     us.write_report(take, f"{stem}.html")
 
 
+def ready(folder: Path) -> None:
+    """Refuse a folder that files could not be written to, before the work; makes nothing.
+
+    Raises:
+        UnderstudyError: It, or what it would be made in, is a file or may not be written.
+    """
+    place = folder
+    while not place.exists() and place != place.parent:
+        place = place.parent
+    if not place.is_dir():
+        raise UnderstudyError(f"{place}: is a file; --out needs a folder.")
+    writable(folder / "file")
+    try:
+        with tempfile.TemporaryFile(dir=place):
+            pass
+    except OSError as error:
+        reason = error.strerror or error
+        raise UnderstudyError(f"{folder}: cannot be written: {reason}.") from None
+
+
+def spared(target: Path, keep: Iterable[Path]) -> None:
+    """Refuse a file that is read, or a folder or a device of that name.
+
+    Raises:
+        UnderstudyError: Names it.
+    """
+    writable(target)
+    for source in keep:
+        if same_file(target, source):
+            raise InvalidValue(f"{source}: would be written over; choose another --out.")
+
+
 @contextmanager
-def staged(folder: Path, name: str) -> Iterator[tuple[Path, dict[str, str]]]:
+def staged(
+    folder: Path, name: str, *, keep: Iterable[Path] = ()
+) -> Iterator[tuple[Path, dict[str, str]]]:
     """A temporary folder inside `folder`, whose files move into `folder` when the block succeeds.
 
     Yields the temporary folder and a mapping, filled at the end, of each file's ending to its path.
 
     Raises:
-        UnderstudyError: The folder cannot be made or written.
+        UnderstudyError: The folder cannot be made or written, or a file of `keep` is in the way;
+            names the place that was asked for, not the temporary one.
     """
+    inside = ""
     made = not folder.exists()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{name[:40]}-", dir=folder) as inside:
             files: dict[str, str] = {}
             yield Path(inside), files
-            for made_file in sorted(Path(inside).iterdir()):
+            ready_made = sorted(Path(inside).iterdir())
+            for made_file in ready_made:
+                spared(folder / made_file.name, keep)
+            for made_file in ready_made:
                 final = folder / made_file.name
-                made_file.replace(final)
+                made_file.replace(writable(final))
                 files[made_file.name.removeprefix(name).lstrip("._")] = str(final)
     except (FileExistsError, NotADirectoryError) as error:
         raise UnderstudyError(f"{error.filename}: is a file; --out needs a folder.") from None
-    except PermissionError as error:
-        raise UnderstudyError(f"{error.filename}: {error.strerror}.") from None
+    except UnderstudyError as error:
+        if inside and inside in str(error):
+            raise UnderstudyError(str(error).replace(inside, str(folder))) from error
+        raise
+    except OSError as error:
+        place = str(error.filename or folder).replace(inside or "\0", str(folder))
+        reason = error.strerror or error
+        raise UnderstudyError(f"{place}: cannot be written: {reason}.") from error
     finally:
         if made and folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()
 
 
-def _kept(job: Job, take: Take | None) -> dict[str, str]:
-    """Write a take that diverged, up to then, beside where its files would be."""
+def _partial(message: str, files: dict[str, str]) -> str:
+    """The message with where the take up to then is, and how to look at it."""
+    said = message.replace("; the take up to then is kept.", ".")
+    if not files:
+        return said
+    path = files["take.npz"]
+    return f"{said} The take up to then: {path}; see it with: understudy render {quote(path)}"
+
+
+def _kept(job: Job, error: Diverged | ControllerFailed) -> dict[str, str]:
+    """Write the take of a run that ended early, beside where its files would be."""
     import understudy as us
 
-    if take is None:
+    if error.take is None:
         return {}
-    path = job.folder / f"{job.name}_until_{take.duration:.2f}s.take.npz"
+    path = job.folder / f"{job.name}_until_{error.time:.3f}s.take.npz"
     try:
-        us.write(take, path)
+        spared(path, job.keep)
+        us.write(error.take, path)
     except UnderstudyError:
         return {}
     return {"take.npz": str(path)}

@@ -85,6 +85,14 @@ def _is_bare(word: str) -> bool:
     return word.isidentifier() and not Path(word).exists()
 
 
+def inputs(words: Sequence[str], *options: object) -> tuple[Path, ...]:
+    """The files a command reads, which it must not write: clips, their ASF, a mapping."""
+    files = [Path(word) for word in words if not word.startswith(SAMPLE)]
+    for given in options:
+        files += [Path(file) for name in ("asf", "mapping") if (file := getattr(given, name, None))]
+    return tuple(file for file in files if file.exists())
+
+
 def expanded(words: Sequence[str]) -> tuple[str, ...]:
     """The words, with the motion files in a folder, by name, in place of a folder.
 

@@ -58,9 +58,10 @@ def run(options: Options) -> Outcome:
     """Draw what was asked for."""
     import understudy as us
 
+    folder = options.out or options.take.parent
     take = us.load_take(options.take)
     name = options.take.name.removesuffix(".npz").removesuffix(".take")
-    with staged(options.out or options.take.parent, name) as (folder, files):
+    with staged(folder, name, keep=(options.take,)) as (folder, files):
         draw(take, folder, name, options)
     result = {"take": str(options.take), "files": files}
     return Outcome(result=result, text="\n".join(files.values()))

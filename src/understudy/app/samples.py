@@ -10,6 +10,7 @@ from tyro.conf import Positional, arg
 
 from understudy.app.outcome import Outcome, table
 from understudy.app.performing import staged
+from understudy.errors import InvalidValue
 
 EXAMPLE = "  understudy samples walk gesture --out clips"
 
@@ -27,7 +28,7 @@ class Options:
     names: Positional[
         Annotated[tuple[str, ...], arg(metavar="[NAME ...]", help_behavior_hint="(optional)")]
     ] = ()
-    out: Annotated[Path, arg(metavar="DIR")] = Path()
+    out: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(default: here)")] = None
     json: bool = False
 
 
@@ -35,6 +36,8 @@ def run(options: Options) -> Outcome:
     """List or write."""
     import understudy as us
 
+    if options.out is not None and not options.names:
+        raise InvalidValue("--out needs names: say which samples to write, or all.")
     wanted = us.samples() if "all" in options.names else options.names
     clips = {name: us.sample(name) for name in wanted or us.samples()}
     result = {
@@ -48,7 +51,7 @@ def run(options: Options) -> Outcome:
         return Outcome(result={"samples": result, "files": {}}, text=text)
     files: dict[str, str] = {}
     for name, clip in clips.items():
-        with staged(options.out, name) as (folder, made):
+        with staged(options.out or Path(), name) as (folder, made):
             us.write(clip, folder / f"{name}.bvh")
         files[name] = made["bvh"]
     return Outcome(result={"samples": result, "files": files}, text="\n".join(files.values()))

@@ -14,9 +14,9 @@ from typing import Annotated, Any, Literal
 from tyro.conf import Positional, arg
 
 from understudy.app.body import Body, check_body
-from understudy.app.outcome import Outcome, table
-from understudy.app.performing import Job, Row, attempted
-from understudy.app.reading import Reading, expanded, stem
+from understudy.app.outcome import Interrupted, Outcome, table
+from understudy.app.performing import Job, Row, attempted, ready, spared
+from understudy.app.reading import Reading, expanded, inputs, stem
 from understudy.app.workers import each
 from understudy.errors import InvalidValue
 
@@ -93,7 +93,40 @@ def run(options: Options) -> Outcome:
         raise InvalidValue(f"{options.out}: is a file; --out needs a folder.")
     check_body(options)
     jobs = jobs_for(options)
+    check_targets(jobs)
     rows: dict[int, Row] = {}
+    try:
+        _collect(jobs, count, rows)
+    except KeyboardInterrupt as stop:
+        done = [rows[index] for index in sorted(rows)]
+        status_ = getattr(stop, "status", Interrupted().status)
+        raise Interrupted(result=result(done), status=status_) from stop
+    ordered = [rows[index] for index in range(len(jobs))]
+    return Outcome(result=result(ordered), text=text(ordered), status=status(ordered))
+
+
+def check_targets(jobs: Sequence[Job]) -> None:
+    """Refuse, before the work, what could not be written or must not be written over.
+
+    Raises:
+        UnderstudyError: A folder or file that cannot be written; a file that is read; one that two
+            clips would share.
+    """
+    for folder in dict.fromkeys(job.folder for job in jobs):
+        ready(folder)
+    owners: dict[Path, Job] = {}
+    for job in jobs:
+        for target in job.targets:
+            spared(target, job.keep)
+            other = owners.setdefault(target, job)
+            if other is not job:
+                raise InvalidValue(
+                    f"{target}: would be made of both {other.clip} and {job.clip}; rename one."
+                )
+
+
+def _collect(jobs: Sequence[Job], count: int, rows: dict[int, Row]) -> None:
+    """Perform every clip, `count` at a time, and say how each went; fills `rows` by number."""
     with closing(each(attempted, jobs, jobs=count)) as finished:
         for index, found in finished:
             job = jobs[index]
@@ -103,8 +136,6 @@ def run(options: Options) -> Outcome:
                 print(f"[{len(rows)}/{len(jobs)}] {row.name}: {summary(row)}", file=sys.stderr)
             elif row.error:
                 print(f"understudy track: {row.error}", file=sys.stderr)
-    ordered = [rows[index] for index in range(len(jobs))]
-    return Outcome(result=result(ordered), text=text(ordered), status=status(ordered))
 
 
 def jobs_for(options: Options) -> list[Job]:
@@ -122,6 +153,7 @@ def jobs_for(options: Options) -> list[Job]:
     body = Body(**{name: getattr(options, name) for name in Body.__dataclass_fields__})
     wanted = ((".png", options.stills), (".mp4", options.video))
     names = unique([stem(clip) for clip in options.clips])
+    keep = inputs(options.clips, options)
     return [
         Job(
             clip=clip,
@@ -131,21 +163,23 @@ def jobs_for(options: Options) -> list[Job]:
             body=body,
             settings=settings,
             kinds=tuple(kind for kind, yes in wanted if yes),
+            keep=keep,
         )
         for clip, name in zip(options.clips, names, strict=True)
     ]
 
 
 def unique(names: Sequence[str]) -> list[str]:
-    """The names, with a number added to those that came before."""
+    """The names, with a number added to those that came before, be it in other letter case."""
+    given = {name.casefold() for name in names}
     taken: set[str] = set()
     found = []
     for name in names:
         fresh, k = name, 1
-        while fresh in taken or (fresh != name and fresh in names):
+        while fresh.casefold() in taken or (fresh != name and fresh.casefold() in given):
             k += 1
             fresh = f"{name}_{k}"
-        taken.add(fresh)
+        taken.add(fresh.casefold())
         found.append(fresh)
     return found
 
@@ -182,7 +216,7 @@ def result(rows: Sequence[Row]) -> dict[str, Any]:
         "failed": len(failed),
         "status": status(rows),
     }
-    if len(failed) == len(rows):
+    if failed and len(failed) == len(rows):
         answer["error"] = failed[0].error
     return answer
 
@@ -226,6 +260,7 @@ def text(rows: Sequence[Row]) -> str:
     if not done:
         return "" if len(rows) == 1 else f"All {len(rows)} clips failed."
     parts = [table([HEAD, *((row.name, *figures(row)) for row in rows)], right=range(1, len(HEAD)))]
+    parts += ["", HELP_FROM_ABOVE]
     if len(rows) == 1:
         parts += ["", *folded(done[0].certificate["statement"])]
         parts += [line for note in done[0].notes for line in folded(note, "  ")]
@@ -235,6 +270,11 @@ def text(rows: Sequence[Row]) -> str:
     if len(done) < len(rows):
         parts += ["", f"{len(rows) - len(done)} of {len(rows)} clips failed."]
     return "\n".join(parts)
+
+
+def counted(number: int, thing: str) -> str:
+    """A number of things, in words that fit it."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def folded(sentence: str, indent: str = "") -> list[str]:
@@ -250,9 +290,3 @@ def listed(rows: Sequence[Row]) -> list[str]:
     endings = [Path(path).name.removeprefix(rows[0].name) for path in rows[0].files.values()]
     folders = dict.fromkeys(str(path.parent) for path in paths)
     return [f"{folder}/NAME{{{','.join(endings)}}}" for folder in folders]
-    parts += ["", HELP_FROM_ABOVE]
-def counted(number: int, thing: str) -> str:
-    """A number of things, in words that fit it."""
-    return f"{number} {thing}{'' if number == 1 else 's'}"
-
-

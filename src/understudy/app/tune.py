@@ -14,8 +14,8 @@ from tyro.conf import Positional, arg
 
 from understudy.app.body import Body, character_for
 from understudy.app.outcome import Outcome, plain, table
-from understudy.app.performing import staged
-from understudy.app.reading import Reading, clip_from, stem
+from understudy.app.performing import ready, staged
+from understudy.app.reading import Reading, clip_from, inputs, stem
 
 if TYPE_CHECKING:
     from understudy.tuning import Trial, Tuned
@@ -56,6 +56,7 @@ def run(options: Options) -> Outcome:
     """Search, and write the trials and their plot."""
     import understudy as us
 
+    ready(options.out)
     clip = clip_from(options.clip, options)
     performance = us.tracked(clip, character_for(clip, options), law=options.law)
     tuned = us.tune(
@@ -67,7 +68,7 @@ def run(options: Options) -> Outcome:
     )
     found = result(options, tuned)
     name = f"{stem(options.clip)}_tuning"
-    with staged(options.out, name) as (folder, files):
+    with staged(options.out, name, keep=inputs([options.clip], options)) as (folder, files):
         text = json.dumps(plain(found), indent=2)
         (folder / f"{name}.json").write_text(text, encoding="utf-8")
         plot(tuned, folder / f"{name}.png")
