@@ -22,7 +22,7 @@ STANCE_STIFFNESS = {"hip": 1600.0, "knee": 1600.0, "ankle": 1200.0, "ball": 300.
 STANCE_DAMPING_TIME = 0.01
 STANCE_REFERENCE = 70.0 * 9.81 * 1.75
 # Damping of a joint without a servo over the inertia outboard of it [1/s]: a hanging arm, whose
-# swing has about 5 rad/s, loses half of a swing's height in one period.
+# swing has about 5 rad/s, loses nearly half of its amplitude in one period.
 LIMP_DAMPING = 1.0
 # Where a joint too weak to hold itself stops [deg from neutral], for joints whose character gives no
 # limit: knee flexion and plantar flexion of Boone & Azen 1979; no source for the toes, the ankle's.

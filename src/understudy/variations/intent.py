@@ -33,8 +33,9 @@ from understudy.variations.names import joints_of
 # Joints that bend one way only: scaled about their straightest moment they never bend backward.
 _HINGES = ("elbow", "knee")
 _MOST_ANGLE = 3.0  # rad; a scaled joint stays short of half a turn from what it is scaled about
-# Overall stiffness [1/s^2] at grip 0, and at grip 1, where it is the default of `Tracking`.
-GRIP_STIFFNESS = (30.0, 3000.0)
+# Overall stiffness [1/s^2] at grip 0, where a trunk still carries itself, and at grip 1, where it
+# is the default of `Tracking`.
+GRIP_STIFFNESS = (60.0, 3000.0)
 
 
 @dataclass(frozen=True, kw_only=True)
