@@ -73,3 +73,24 @@ def test_sampling_at_frame_times_gives_the_frames(clip: Clip) -> None:
 def test_what_is_neither_take_nor_clip_is_refused() -> None:
     with pytest.raises(InvalidValue, match="str cannot be shown"):
         playback("walk.bvh")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", ["independent", "constrained", "tree"])
+def test_a_linkage_plays_with_its_clip_as_the_ghost(kind):
+    from understudy.character import Linkage
+    from understudy.motion.samples import sample
+    from understudy.performance import driven
+    from understudy.simulate import simulate
+
+    clip = sample("gesture").trimmed(0.0, 0.5).resampled(60.0)
+    take = simulate(driven(clip, Linkage.from_clip(clip, kind)))
+    shown = playback(take, rate=30.0)
+    assert shown.ghost is not None
+    # Driven bodies follow within a millimeter, so ghost and body all but coincide.
+    assert np.abs(shown.ghost - shown.qpos)[:, :3].max() < 1e-3
+    aside = shown.beside().ghost
+    assert aside is not None
+    placed, _ = shown.poses(shown.ghost)
+    moved = shown.poses(aside)[0] - placed
+    assert np.ptp(moved[:, 1:], axis=1).max() < 1e-9  # all bodies by the same way
+    assert np.linalg.norm(moved[0, 1]) > 0.3

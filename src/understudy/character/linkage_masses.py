@@ -23,7 +23,8 @@ def anthropometric_masses(clip: Clip, mass: float | None = None) -> Array:
     person = Character.from_clip(clip, mass=mass)
     if not person.humanoid:
         raise InvalidValue(
-            f"The joints of {clip.name!r} are not recognized as a person's; give the masses by name."
+            f"The joints of {clip.name!r} are not recognized as a person's; "
+            "give the masses by name."
         )
     skeleton = clip.skeleton
     link_at = {link.clip_joint: k for k, link in enumerate(person.links)}

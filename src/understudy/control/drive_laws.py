@@ -45,12 +45,15 @@ def product(aw, ax, ay, az, bw, bx, by, bz):  # type: ignore[no-untyped-def]
 
 
 def rotation_vector(w, x, y, z):  # type: ignore[no-untyped-def]
-    """The rotation vector of a quaternion, the short way."""
+    """The rotation vector of a unit quaternion, the short way."""
     sign = -1.0 if w < 0.0 else 1.0
-    length = math.sqrt(x * x + y * y + z * z)
-    if length < 1e-9:
-        return 2.0 * sign * x, 2.0 * sign * y, 2.0 * sign * z
-    scale = sign * 2.0 * math.atan2(length, abs(w)) / length
+    square = x * x + y * y + z * z
+    if square < 0.01:  # up to 11 degrees the series of asin(s) / s is right to ten digits
+        series = 1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * (15.0 / 336.0)))
+        scale = 2.0 * sign * (series + square**4 * (105.0 / 3456.0))
+    else:
+        length = math.sqrt(square)
+        scale = 2.0 * sign * math.atan2(length, abs(w)) / length
     return scale * x, scale * y, scale * z
 
 
