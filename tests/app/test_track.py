@@ -228,6 +228,13 @@ def test_the_table_says_that_a_body_fell(out):
     assert track.figures(row)[-1] == "0, fell"
 
 
+def test_a_number_stays_on_the_line_of_its_percent_sign():
+    for width in range(80, 100):
+        lines = track.folded("x" * width + " 12 % of the weight")
+        assert not any(line.startswith("%") for line in lines)
+        assert " ".join(lines).endswith(" 12 % of the weight")
+
+
 def test_clips_of_one_name_get_files_of_their_own():
     assert track.unique(["walk", "run", "walk", "walk_2", "walk"]) == [
         "walk",

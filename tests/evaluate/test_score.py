@@ -138,6 +138,7 @@ def test_a_clip_off_the_floor_is_said_to_be_off_the_floor() -> None:
     said = statement(held(flight_s=8.6, root_support_percent=80.0))
     assert "leaves the floor for 8.6 s of 10.0 s: its height drifts" in said
     assert "not in the scene" in said
+    assert "4.0 s of 10.0 s: it jumps, its height drifts" in statement(held(flight_s=4.0))
 
 
 def test_a_root_that_carries_much_weight_is_explained() -> None:

@@ -63,6 +63,16 @@ def test_sheets_follow_a_body_that_travels_unless_told_not_to(clip: Clip) -> Non
     assert body(True) > 4 * body(False) > 0
 
 
+def test_a_sheet_follows_body_and_reference_apart(take: Take) -> None:
+    """A body that stays behind while its reference walks off is still large in both rows."""
+    apart = np.array(take.qpos)
+    apart[:, 0] -= 9.0 * take.times
+    near = contact_sheet(take, count=3, width=80, height=80).pixels.astype(int)
+    far = contact_sheet(replace(take, qpos=apart), count=3, width=80, height=80)
+    dark, darker = ((p.sum(axis=-1) < 200).mean() for p in (near, far.pixels.astype(int)))
+    assert darker > 0.6 * dark > 0
+
+
 def test_sheet_wraps_into_bands(clip: Clip) -> None:
     six = contact_sheet(clip, count=6, width=40, height=40).pixels.shape
     twelve = contact_sheet(clip, count=12, width=40, height=40).pixels.shape

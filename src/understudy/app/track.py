@@ -279,7 +279,9 @@ def counted(number: int, thing: str) -> str:
 
 def folded(sentence: str, indent: str = "") -> list[str]:
     """A sentence as lines for a terminal."""
-    return textwrap.wrap(sentence, 96, initial_indent=indent, subsequent_indent=indent)
+    held = sentence.replace(" %", "\u00a0%")  # a number stays on the line of its sign
+    lines = textwrap.wrap(held, 96, initial_indent=indent, subsequent_indent=indent)
+    return [line.replace("\u00a0", " ") for line in lines]
 
 
 def listed(rows: Sequence[Row]) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -134,12 +134,15 @@ def contact_sheet(
         view = f"follow-{view}"
     shown = playback(thing, rate=60.0)
     frames = np.unique(np.linspace(0, shown.frames - 1, count).round().astype(int))
-    shot = shown.shot(view, width / height)
     rows = [("reference", shown.reference())] if shown.ghost is not None else []
     rows.append(("simulated" if shown.simulated else shown.name, shown.alone()))
+    shots = _shots(shown, [row for _, row in rows], view, width / height)
     drawing = opened(shown.model, width, height, renderer=renderer, spec=shown.spec)
     try:
-        cells = [[drawn(drawing, row, shot, int(f), "none") for f in frames] for _, row in rows]
+        cells = [
+            [drawn(drawing, row, shot, int(f), "none") for f in frames]
+            for (_, row), shot in zip(rows, shots, strict=True)
+        ]
     finally:
         drawing.close()
     times = [f"{shown.times[f]:.2f} s" for f in frames]
@@ -148,6 +151,20 @@ def contact_sheet(
     if path is not None:
         write_png(path, pixels, text)
     return Picture(pixels=pixels, renderer=drawing.name, text=text)
+
+
+def _shots(shown: Playback, rows: list[Playback], view: str, aspect: float) -> list[Shot]:
+    """A shot per row, from one side and at one scale; a following camera follows each row's body.
+
+    So a body that fell, and its reference that walked on, both fill their pictures.
+    """
+    if not view.startswith("follow"):
+        return [shown.shot(view, aspect)] * len(rows)
+    for row in rows:
+        row.__dict__["heading"] = shown.heading
+    shots = [row.shot(view, aspect) for row in rows]
+    distance = max(shot.distance for shot in shots)
+    return [replace(shot, distance=distance) for shot in shots]
 
 
 def arranged(shown: Playback, ghost: str, view: str) -> Playback:
