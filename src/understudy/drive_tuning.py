@@ -488,6 +488,7 @@ def transferred(
     clips: Sequence[Clip],
     parameters: Mapping[str, Mapping[str, Any]],
     *,
+    unit: float | None = None,
     threads: int | None = None,
 ) -> list[Transferred]:
     """Errors on clips of parameters tuned elsewhere (table 2), clip by clip, kind by kind.
@@ -495,12 +496,13 @@ def transferred(
     Args:
         clips: Any clips.
         parameters: Keyword arguments of `driven` by kind of linkage.
+        unit: Meters per unit; by default each clip's own.
         threads: Simulations at a time; all cores by default.
     """
 
     def run(pair: tuple[Clip, str]) -> Transferred:
         clip, kind = pair
-        linkage = Linkage.from_clip(clip, kind)  # type: ignore[arg-type]
+        linkage = Linkage.from_clip(clip, kind, unit=unit)  # type: ignore[arg-type]
         ground = clip.root_positions[:, :2]
         away = np.linalg.norm(ground - ground[0], axis=1).max() / linkage.unit
         row = Transferred(

@@ -34,6 +34,7 @@ COMMANDS = {
     "render": "Make a video, a contact sheet or an HTML player from a saved take.",
     "samples": "List the bundled sample motions, or write them as files.",
     "fetch": "Download a named motion from its public source.",
+    "reproduce": "Run a paper's experiments again, beside its published numbers.",
 }
 
 USAGE = """\
@@ -99,7 +100,7 @@ def _dispatch(words: list[str]) -> int:
 
 def usage() -> str:
     """The text of `understudy --help`."""
-    return USAGE.format(commands="\n".join(f"  {k:<8} {v}" for k, v in COMMANDS.items()))
+    return USAGE.format(commands="\n".join(f"  {k:<9} {v}" for k, v in COMMANDS.items()))
 
 
 def parse(name: str, arguments: Sequence[str]) -> Any:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from tyro.conf import Positional, arg
 
 from understudy.app.body import Body, character_for
+from understudy.app.drive_search import Searching, searched
 from understudy.app.outcome import Outcome, plain, table
 from understudy.app.performing import ready, staged
 from understudy.app.reading import Reading, clip_from, inputs, stem
@@ -20,16 +21,21 @@ from understudy.app.reading import Reading, clip_from, inputs, stem
 if TYPE_CHECKING:
     from understudy.tuning import Trial, Tuned
 
-EXAMPLE = "  understudy tune sample:gesture --law paper --out out"
+EXAMPLE = """\
+  understudy tune sample:gesture --law paper --out out
+  understudy tune sample:gesture --drive constrained --out out"""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Options(Body, Reading):
+class Options(Body, Searching, Reading):
     """Search for the servo stiffness that follows a clip best, by gradient.
 
     The error falls with stiffness to the floor the lag sets; a cost on torque puts the optimum
     where more stiffness no longer buys accuracy. Writes NAME_tuning.json, and NAME_tuning.png where
     matplotlib is installed.
+
+    With --drive it searches the gains of the rigid-body drive of Wilke & Semwal 2017 instead, and
+    writes NAME_LINKAGE_parameters.json, which other clips can use.
 
     Attributes:
         clip: A motion file, or sample:NAME.
@@ -56,6 +62,8 @@ def run(options: Options) -> Outcome:
     """Search, and write the trials and their plot."""
     import understudy as us
 
+    if options.drive is not None:
+        return searched(options.clip, options, options, options.out)
     ready(options.out)
     clip = clip_from(options.clip, options)
     performance = us.tracked(clip, character_for(clip, options), law=options.law)

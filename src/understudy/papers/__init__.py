@@ -1,1 +1,1 @@
-"""One module per paper: its tables and figures beside the published numbers. None is here yet."""
+"""One module per paper: its tables and figures beside the published numbers."""

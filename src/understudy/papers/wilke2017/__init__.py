@@ -1,0 +1,79 @@
+"""Wilke & Semwal 2017: every table and every figure with simulations, run again.
+
+In: a folder of clips, or none. Out: one HTML page, its tables as CSV, all numbers as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from understudy.motion.files import written
+from understudy.papers.wilke2017.cast import casting
+from understudy.papers.wilke2017.experiments import Effort, Reproduced, experiments
+from understudy.papers.wilke2017.page import as_csv, as_dict, page_html
+
+__all__ = ["Effort", "Reproduced", "as_dict", "reproduce", "write"]
+
+# What "quick" leaves of the searches and of the clips [s].
+_QUICK = {"points": 1, "runs": 1, "evaluations": 14}
+_QUICK_SECONDS = 2.0
+
+
+def reproduce(
+    folder: Path | None = None,
+    *,
+    effort: Effort | None = None,
+    quick: bool = False,
+    online: bool = False,
+    progress: bool = False,
+) -> Reproduced:
+    """Run the paper's experiments.
+
+    Args:
+        folder: Clips: the paper's 141_02, 08, 14, 15, 30, or motions that stand in for them; None
+            for the bundled samples.
+        effort: How much to search.
+        quick: The first seconds of each clip and a token search, to see that all of it runs.
+        online: Download what is missing, where a public source is known.
+        progress: Show progress bars on standard error.
+
+    Raises:
+        ClipError: No such folder.
+        MissingExtra: The package cma is missing (extra `search`).
+    """
+    effort = effort or Effort()
+    if quick:
+        effort = replace(effort, **_QUICK)
+    cast = casting(folder, seconds=_QUICK_SECONDS if quick else None, online=online)
+    return experiments(cast, effort, progress=progress)
+
+
+def write(found: Reproduced, folder: Path) -> None:
+    """Write wilke2017.html, wilke2017.json and one wilke2017_NAME.csv per table.
+
+    Raises:
+        UnderstudyError: A file cannot be written.
+    """
+    texts = {
+        "wilke2017.html": page_html(found),
+        "wilke2017.json": json.dumps(_plain(as_dict(found)), indent=2, allow_nan=False) + "\n",
+    }
+    for sheet in (*found.tables, *found.figures.values()):
+        name = sheet.name.lower().replace(" ", "_")
+        texts[f"wilke2017_{name}.csv"] = as_csv(sheet)
+    for name, text in texts.items():
+        with written(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+
+def _plain(value: Any) -> Any:
+    """The same in types JSON knows; infinity becomes null."""
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

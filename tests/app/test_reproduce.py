@@ -1,0 +1,74 @@
+"""The commands reproduce and tune --drive."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import pytest
+
+import understudy as us
+from understudy.app.main import main
+from understudy.drive_tuning import read_parameters
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("paper")
+    assert main(["reproduce", "wilke2017", "--quick", "--out", str(folder)]) == 0
+    return folder
+
+
+def test_every_table_and_figure_is_on_the_page(made):
+    page = (made / "wilke2017.html").read_text(encoding="utf-8")
+    for n in range(1, 5):
+        assert f"<h3>Table {n}</h3>" in page
+    for n in range(2, 12):
+        assert f"Figure {n}:" in page
+    assert "cannot be compared" in page
+    assert "a stand-in" in page
+
+
+def test_the_page_asks_nothing_of_the_network(made):
+    page = (made / "wilke2017.html").read_text(encoding="utf-8")
+    assert "http" not in page.replace("http-equiv", "")
+
+
+def test_units_gravity_scale_and_step_are_stated(made):
+    kept = json.loads((made / "wilke2017.json").read_text(encoding="utf-8"))
+    for word in ("56.44 mm", "9.81 units/s^2", "scale 1.4286", "1/60 s"):
+        assert word in kept["settings"]
+    for searches in kept["searches"].values():
+        for search in searches.values():
+            assert search["settings"]["gravity_units_per_s2"] == pytest.approx(9.81)
+
+
+def test_tables_are_written_in_full_as_csv(made):
+    with (made / "wilke2017_table_3.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert rows[0]["Joint"] == "RightFoot"
+    assert float(rows[0]["published F^2"]) == 15.196
+    assert float(rows[0]["F^2"]) > float(rows[-1]["F^2"])
+    with (made / "wilke2017_table_2.csv").open(encoding="utf-8") as file:
+        assert len(list(csv.reader(file))) == 1 + 12
+
+
+def test_a_missing_folder_and_an_unknown_paper_are_refused(tmp_path, capsys):
+    assert main(["reproduce", "wilke2017", "--clips", str(tmp_path / "no")]) == 2
+    assert "no such folder" in capsys.readouterr().err
+    assert main(["reproduce", "wilke2018"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize("method", ["cma", "monte_carlo"])
+def test_tune_drive_writes_parameters_that_other_clips_use(short, tmp_path, capfd, method):
+    words = ["--drive", "skeleton", "--method", method, "--points", "1", "--evaluations", "12"]
+    assert main(["tune", str(short), *words, "--out", str(tmp_path), "--json"]) == 0
+    found = json.loads(capfd.readouterr().out)
+    assert found["best"]["error"] == min(trial["error"] for trial in found["trials"])
+    assert (tmp_path / "wave_skeleton_tuning.png").exists()
+    kept = read_parameters(tmp_path / "wave_skeleton_parameters.json")
+    assert kept == found["driven"]
+    clip = us.sample("walk").trimmed(0.0, 0.5)
+    performance = us.driven(clip, us.Linkage.from_clip(clip, "skeleton"), **kept)
+    assert us.drive_error(us.simulate(performance)).mean < 100.0
