@@ -40,6 +40,22 @@ class UnknownName(UnderstudyError, LookupError):
         super().__init__(f"No {kind} named {name!r}.{hint} Valid: {listed}.")
 
 
+def expect(value: object, kind: type | tuple[type, ...], name: str, what: str) -> None:
+    """Refuse an argument of another type, in one sentence, at the doors people come in by.
+
+    Raises:
+        InvalidValue: Names the argument, its value and what it must be.
+    """
+    if not isinstance(value, kind):
+        raise InvalidValue(f"{name} is {shown(value)}; it must be {what}.")
+
+
+def shown(value: object) -> str:
+    """A value in at most 60 characters on one line."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:50]} ... (a {type(value).__name__})"
+
+
 class MissingExtra(UnderstudyError, ImportError):
     """An optional package is not installed; the text names the extra that brings it."""
 

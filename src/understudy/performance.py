@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import inspect
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+from numbers import Real
 
 import numpy as np
 
@@ -11,7 +14,7 @@ from understudy.character.body import SelfCollision
 from understudy.character.build import size_doubts
 from understudy.character.soles import planted, standing
 from understudy.control import Controller, Drive, Tracking
-from understudy.errors import InvalidValue
+from understudy.errors import InvalidValue, UnknownName, expect
 from understudy.motion.clip import Clip
 from understudy.scene import Ground, Scene, timestep_for
 
@@ -39,8 +42,9 @@ class Performance:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "controllers", tuple(self.controllers))
-        if not (np.isfinite(self.duration) and self.duration >= 0):
-            raise InvalidValue(f"duration is {self.duration} s; it must be zero or positive.")
+        expect(self.scene, Scene, "scene", "a Scene")
+        if not (isinstance(self.duration, Real) and 0 <= self.duration < np.inf):
+            raise InvalidValue(f"duration is {self.duration!s:.40} s; it must be zero or positive.")
         numbers = self.steps * (self.scene.model.nq + self.scene.model.nv + self.scene.model.nu)
         if numbers > 1_000_000_000:
             raise InvalidValue(
@@ -80,6 +84,9 @@ def tracked(
         seed: Seed of the performance.
         settings: Passed on to `Tracking`: law, stiffness, torque_limits, ...
     """
+    expect(clip, Clip, "clip", "a Clip, as `read` gives")
+    expect(character, Character, "character", "a Character, as `Character.from_clip` gives")
+    _check_names(tracked, Tracking, settings)
     clean = clip.repaired()
     reference = planted(standing(retargeted(clean, character), character), character)
     doubts = [note for note in size_doubts(character.height) if note in character.notes]
@@ -173,3 +180,18 @@ def driven(
         duration=reference.duration if duration is None else duration,
         seed=seed,
     )
+
+
+def _check_names(function: Callable[..., object], kind: type, settings: Iterable[str]) -> None:
+    """Refuse keywords that neither a function nor the controller it makes knows.
+
+    Raises:
+        UnknownName: With the nearest one that is known.
+    """
+    own = inspect.signature(function).parameters.values()
+    known = [p.name for p in own if p.kind is p.KEYWORD_ONLY]
+    given = ("reference", "captured", "character")
+    known += [f.name for f in fields(kind) if f.init and f.name not in (*known, *given)]
+    for name in settings:
+        if name not in known:
+            raise UnknownName("setting", name, known)

@@ -18,13 +18,16 @@ from scipy.optimize import minimize
 from tqdm import tqdm
 
 from understudy.control import Tracking
-from understudy.errors import InvalidValue, UnderstudyError
+from understudy.errors import InvalidValue, UnderstudyError, expect
 from understudy.motion import rotations as rot
 from understudy.motion.files import written
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
 from understudy.simulate import simulate_many
 from understudy.take import Take
+
+# Beyond this the cost is all torque; a survey this fine has a trial every 1 % of stiffness.
+MOST_WEIGHT, MOST_TRIALS = 1e4, 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,11 +126,18 @@ def tune(
         UnderstudyError: The checkpoint belongs to another search or is not one, or every trial
             diverged.
     """
+    expect(performance, Performance, "performance", "a Performance, as `tracked` gives")
     low, high = bounds
     if not 0 < low < high <= 1e7:
         raise InvalidValue(f"bounds are {bounds}; they must rise and lie in 0 to 1e7.")
-    if survey < 2:
-        raise InvalidValue(f"survey is {survey}; it must be at least 2.")
+    if not 0.0 <= torque_weight <= MOST_WEIGHT:
+        raise InvalidValue(
+            f"torque_weight is {torque_weight}; it must lie in 0 to {MOST_WEIGHT:g}."
+        )
+    if not 2 <= survey <= MOST_TRIALS:
+        raise InvalidValue(f"survey is {survey}; it must lie in 2 to {MOST_TRIALS}.")
+    if not 0 <= iterations <= MOST_TRIALS:
+        raise InvalidValue(f"iterations is {iterations}; it must lie in 0 to {MOST_TRIALS}.")
     which = [i for i, c in enumerate(performance.controllers) if isinstance(c, Tracking)]
     if not which:
         raise InvalidValue("The performance has no Tracking controller to tune.")

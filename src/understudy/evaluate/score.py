@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from understudy.errors import InvalidValue, shown
 from understudy.evaluate import compare, feet, physics
 from understudy.evaluate.measure import Measured, Performer, measured
 from understudy.motion.clip import Clip
@@ -156,6 +157,8 @@ def score(take: Take, *, character: int = 0, measures: Measured | None = None) -
     Raises:
         InvalidValue: The scene has no such character, or the take has no frames.
     """
+    if not hasattr(take, "qpos"):
+        raise InvalidValue(f"take is {shown(take)}; it must be a Take, as `track` gives.")
     m = measured(take) if measures is None else measures
     who = m.performer(character)
     reference = take.references[character]

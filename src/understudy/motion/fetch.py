@@ -17,7 +17,7 @@ import urllib.request
 from dataclasses import dataclass
 from pathlib import Path
 
-from understudy.errors import InvalidValue, UnderstudyError, UnknownName
+from understudy.errors import InvalidValue, UnderstudyError, UnknownName, expect
 from understudy.motion.files import written
 
 CMU_TERMS = (
@@ -214,6 +214,7 @@ def source(name: str) -> Source:
     Raises:
         UnknownName: No such clip; the text lists those there are.
     """
+    expect(name, str, "name", "the name of a clip, as 'cmu/02_01'")
     try:
         return _SOURCES[name]
     except KeyError:

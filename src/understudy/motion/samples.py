@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from understudy.errors import UnknownName
+from understudy.errors import UnknownName, expect
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.figure import figure
@@ -38,6 +38,7 @@ def sample(name: str) -> Clip:
     Raises:
         UnknownName: Another name; the text lists those there are.
     """
+    expect(name, str, "name", f"one of {', '.join(_MAKERS)}")
     if name not in _MAKERS:
         raise UnknownName("sample", name, _MAKERS)
     return _MAKERS[name]()

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from understudy.errors import InvalidValue
+from understudy.errors import InvalidValue, expect, shown
 from understudy.motion.clip import Clip
 
 if TYPE_CHECKING:
@@ -41,6 +41,21 @@ def write(thing: Take | Clip, *paths: _Path, character: int = 0) -> None:
         MissingExtra: A video or picture needs a package that is not installed.
         UnderstudyError: A file cannot be written.
     """
+    count = 1
+    if not isinstance(thing, Clip):
+        from understudy.take import Take
+
+        expect(thing, Take, "thing", "a Take or a Clip")
+        count = len(thing.scene.characters)
+    if not paths:
+        raise InvalidValue('write needs at least one path, as write(take, "walk.bvh").')
+    for path in paths:
+        expect(path, (str, PathLike), "path", "the name of a file")
+    if not (isinstance(character, int) and 0 <= character < count):
+        raise InvalidValue(
+            f"character is {shown(character)}; this {type(thing).__name__.lower()} has {count}, "
+            "counted from 0."
+        )
     jobs = [(_writer(path), path) for path in paths]
     for job, path in jobs:
         job(thing, path, character)
