@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 """Grows when a key changes its meaning or goes; new keys do not change it."""
-
-
 LONG_FLIGHT = 0.3
 """A held body without contact for more than this share of the time does not stand by itself."""
 HEAVY_SUPPORT = 20.0
@@ -122,13 +120,13 @@ def _unheld(s: Score) -> str:
     if s.flight_s is None or s.fully_physical:
         return ""
     if s.flight_s > LONG_FLIGHT * s.duration_s:
+        # A body that jumps needs no support aloft; one that stands in the air does.
+        jumps = "it jumps, " if s.root_support_percent < 0.5 * HEAVY_SUPPORT else ""
         return (
             f"The clip leaves the floor for {s.flight_s:.1f} s of {s.duration_s:.1f} s: {jumps}its "
             "height drifts, or it stands on something that is not in the scene."
         )
     if s.root_support_percent > HEAVY_SUPPORT:
-        # A body that jumps needs no support aloft; one that stands in the air does.
-        jumps = "it jumps, " if s.root_support_percent < 0.5 * HEAVY_SUPPORT else ""
         return (
             f"The feet carry only {max(0.0, 100.0 - s.root_support_percent):.0f} % of the weight: "
             "the clip's height drifts, it leans or stands on something that is not in the scene, "
