@@ -188,7 +188,12 @@ def tune_drive(
     with (
         search,
         tqdm(
-            total=total, desc="tune", unit="run", delay=2.0, disable=not progress, leave=False
+            total=total,
+            desc="tune",
+            unit="run",
+            delay=2.0,
+            disable=None if progress else True,
+            leave=False,
         ) as b,
     ):
         search.tell = b.update

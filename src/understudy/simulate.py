@@ -115,7 +115,11 @@ def simulate(performance: Performance, *, progress: bool = False) -> Take:
     with (
         quiet_engine(),
         tqdm(
-            total=performance.steps, unit="step", delay=2.0, disable=not progress, leave=False
+            total=performance.steps,
+            unit="step",
+            delay=2.0,
+            disable=None if progress else True,
+            leave=False,
         ) as bar,
     ):
         try:

@@ -118,7 +118,9 @@ def family(
     work = _Work(performance=performance, unvaried=unvaried, folder=folder)
     first = work(Part(index=-1, name=UNVARIED, kind=UNVARIED, variation=start))
     done: dict[int, Member] = {}
-    with tqdm(total=count, desc=name, unit="take", delay=2.0, disable=not progress) as bar:
+    with tqdm(
+        total=count, desc=name, unit="take", delay=2.0, disable=None if progress else True
+    ) as bar:
         if folder is not None:
             done = {p.index: m for p in parts if (m := kept_member(p, folder / "members"))}
             bar.update(len(done))

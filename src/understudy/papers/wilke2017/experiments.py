@@ -118,7 +118,9 @@ def experiments(cast: Cast, effort: Effort, *, progress: bool = False) -> Reprod
             for method in ("monte_carlo", "cma")
         }
     takes: dict[str, Take] = {}
-    with tqdm(total=18, desc="figures", delay=2.0, disable=not progress, leave=False) as bar:
+    with tqdm(
+        total=18, desc="figures", delay=2.0, disable=None if progress else True, leave=False
+    ) as bar:
         table_1, growth = _table_1(clip, searches)
         bar.update(4)
         table_2 = _table_2(cast, searches, effort.threads)
