@@ -388,6 +388,12 @@ def test_settings_that_cannot_be_meant_are_refused(gesture):
         scaling_for(gesture, ["neck"], 1.2, start=1.0, end=0.5)
 
 
+def test_a_score_points_to_the_drives_own_error(gesture):
+    take = simulate(driven(gesture.trimmed(0.0, 0.1), Linkage.from_clip(gesture)))
+    with pytest.raises(InvalidValue, match="drive_error"):
+        us.score(take)
+
+
 def test_welford_is_the_mean_and_the_variance():
     values = 1e8 + np.random.default_rng(1).normal(size=(500, 4))
     mean, variance = welford(values)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from understudy.character import Linkage
 from understudy.errors import InvalidValue, shown
 from understudy.evaluate import compare, feet, physics
 from understudy.evaluate.measure import Measured, Performer, measured
@@ -159,6 +160,8 @@ def score(take: Take, *, character: int = 0, measures: Measured | None = None) -
     """
     if not hasattr(take, "qpos"):
         raise InvalidValue(f"take is {shown(take)}; it must be a Take, as `track` gives.")
+    if any(isinstance(performer, Linkage) for performer in take.scene.characters):
+        raise InvalidValue("Scores are of characters; `drive_error` measures a driven linkage.")
     m = measured(take) if measures is None else measures
     who = m.performer(character)
     reference = take.references[character]
