@@ -1,8 +1,8 @@
 """Who performs: bodies with masses, shapes and joints.
 
 In: a clip (or a ready-made body's name). Out: a `Character`, which gives a MuJoCo model (`spec`), a
-skeleton, and through `retargeted` and `restored` takes clips on and gives them back; or a `Linkage`,
-the clip's whole skeleton as rigid bodies.
+skeleton, and through `retargeted` and `restored` takes clips on and gives them back; or a
+`Linkage`, the clip's whole skeleton as rigid bodies.
 """
 
 from understudy.character.bodies import adult_man, adult_woman, alien, body, child

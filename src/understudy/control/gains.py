@@ -24,9 +24,9 @@ STANCE_REFERENCE = 70.0 * 9.81 * 1.75
 # Damping of a joint without a servo over the inertia outboard of it [1/s]: a hanging arm, whose
 # swing has about 5 rad/s, loses nearly half of its amplitude in one period.
 LIMP_DAMPING = 1.0
-# Where a joint too weak to hold itself stops [deg from neutral], for joints whose character gives no
-# limit: knee flexion and plantar flexion of Boone & Azen 1979; no source for the toes, the ankle's.
-WEAK_STOPS = {"knee": 143.0, "ankle": 56.0, "ball": 56.0}
+# Where a joint stops [deg from neutral] for which the character has no published limit: round
+# figures of our own, no tighter than people's.
+WEAK_STOPS = {"knee": 150.0, "ankle": 60.0, "ball": 60.0}
 # Least stiffness of a locked joint over the inertia outboard of it [1/s^2], and over what its
 # servo had; its damping is critical.
 LOCKED_STIFFNESS, LOCKED_OVER_SERVO = 3e4, 40.0
