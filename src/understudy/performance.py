@@ -148,6 +148,8 @@ def driven(
     Raises:
         InvalidValue: A value out of range, or gains too large for the time step (K_f dt >= 2).
     """
+    expect(clip, Clip, "clip", "a Clip, as `read` gives")
+    _check_names(driven, Drive, settings)
     if not (np.isfinite(scale) and scale > 0):
         raise InvalidValue(f"scale is {scale}; it must be a positive number.")
     if gravity is None:

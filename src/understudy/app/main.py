@@ -49,7 +49,7 @@ Turns a recorded motion into a physically simulated performance.
 
 Every command takes --json: one JSON object on standard output, errors included.
 Status: 0 done; 1 some clips failed or a simulation diverged; 2 bad input, nothing was made;
-3 a defect in understudy; 130 interrupted.
+3 a defect in understudy; 130 interrupted; 143 told to end.
 
 Example:
   understudy track sample:gesture --out out/gesture

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 SCHEMA = 1
 """Grows when a key changes its meaning or goes; new keys do not change it."""
+TIMES = ("cpu_seconds",)
+"""Facts that differ from run to run."""
+
+
 LONG_FLIGHT = 0.3
 """A held body without contact for more than this share of the time does not stand by itself."""
 HEAVY_SUPPORT = 20.0
@@ -40,6 +44,9 @@ def certificate(
     if scores is None:
         scores = scored(take, measures=measures)
     shared = ("duration_s", "diverged_s", "real_time_factor", "seed", "versions")
+    factor = scores[0].real_time_factor
+    # What differs from run to run stands apart.
+    timing = {name: take.facts[name] for name in TIMES if name in take.facts}
     return {
         "kind": "understudy certificate",
         "schema": SCHEMA,
@@ -48,10 +55,11 @@ def certificate(
         "duration_s": take.duration,
         "step_s": 1.0 / take.rate,
         "diverged_s": take.diverged,
-        "real_time_factor": scores[0].real_time_factor,
+        "real_time_factor": factor,
+        "timing": {} if factor is None else {"real_time_factor": factor, **timing},
         "seed": take.seed,
         "versions": versions(),
-        "facts": {key: _plain(value) for key, value in take.facts.items()},
+        "facts": {key: _plain(value) for key, value in take.facts.items() if key not in TIMES},
         "characters": [
             {
                 "statement": statement(s),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from numbers import Integral
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,7 +52,7 @@ def write(thing: Take | Clip, *paths: _Path, character: int = 0) -> None:
         raise InvalidValue('write needs at least one path, as write(take, "walk.bvh").')
     for path in paths:
         expect(path, (str, PathLike), "path", "the name of a file")
-    if not (isinstance(character, int) and 0 <= character < count):
+    if not (isinstance(character, Integral) and 0 <= character < count):
         raise InvalidValue(
             f"character is {shown(character)}; this {type(thing).__name__.lower()} has {count}, "
             "counted from 0."
