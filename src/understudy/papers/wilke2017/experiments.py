@@ -237,8 +237,9 @@ def _table_1(
         rows=tuple(rows),
         notes=(
             "A point of algorithm 1 is nine simulations, one for each order; of CMA-ES, one.",
-            "The random walk of +-1 a simulation is slow: it has not converged where it begins at "
-            "K_f = 20. All linkages do best near the limit K_f = 2 / dt = 120.",
+            "The random walk moves by up to 1 a simulation, in N simulations by about the square "
+            "root of N / 3: from K_f = 20 it takes several runs to the neighborhood of the limit "
+            "K_f = 2 / dt = 120.",
         ),
     )
     return sheet, growth
