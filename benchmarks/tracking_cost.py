@@ -18,7 +18,8 @@ import numpy as np
 
 from understudy import Character, sample
 from understudy.performance import tracked
-from understudy.simulate import _rollout, open_loop_controls, prepared
+from understudy.simulate import open_loop_controls, prepared
+from understudy.simulate.gears import rollout
 
 
 def seconds(work) -> float:
@@ -65,7 +66,7 @@ def measure(plan: str, duration: float, repeats: int) -> str:
 
     def tracking() -> float:
         reset()
-        return seconds(lambda: list(_rollout(model, data, ctrl, None, states))) / steps
+        return seconds(lambda: list(rollout(model, data, ctrl, None, states))) / steps
 
     bare_best = tracking_best = np.inf
     for _ in range(repeats):
