@@ -46,8 +46,9 @@ PAPER_START = {
     "constrained": (20.0, 100.0),
     "tree": (20.0, 100.0),
 }
-# Largest share of the limit 2 / dt that a search tries; at the limit itself nothing settles.
-_MOST = 0.9999
+# Largest share of the limit 2 / dt that a search tries. Errors fall up to the limit itself, but
+# joined bodies tuned there fly apart on other clips (09_12 of the CMU motions from 0.995 on).
+_MOST = 0.98
 # CMA-ES: bounds and first widths of K_f dt / 2, of K_vc over rate and scale, and of n's number.
 _LOW, _HIGH, _WIDTHS = (0.02, 0.5), (_MOST, 2.0), (0.25, 0.05, 1.0)
 _CHUNK = 64
