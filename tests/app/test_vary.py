@@ -86,7 +86,10 @@ def test_a_word_that_is_no_amount_is_refused(word):
         (["--count", "0"], "count is 0"),
         (["--jobs", "0"], "jobs is 0"),
         (["--seed", "-1"], "seed is -1"),
-        (["--linkage", "tree", "--mass", "70"], "no other body"),
+        (["--linkage", "tree", "--mass", "70"], "--mass: for characters only"),
+        (["--linkage", "tree", "--pelvis", "free"], "--pelvis: for characters only"),
+        (["--linkage", "tree", "--torque-limits", "human"], "--torque-limits: for"),
+        (["--linkage", "tree", "--plan", "upper", "--character", "child"], "--character, --plan"),
         (["--linkage", "tree", "--length", "legs=2"], "as long as"),
     ],
 )

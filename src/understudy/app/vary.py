@@ -109,6 +109,7 @@ def run(options: Options) -> Outcome:
     presets = [name for word in options.preset for name in word.split(",")]
     grip = amount("--grip", options.grip)
     body = body_asked(options)
+    check_linkage(options, body)
     check_body(body)
     clip = clip_from(options.clip, options)
     performance = performance_of(clip, body, options)
@@ -134,8 +135,6 @@ def performance_of(clip: Clip, body: Body, options: Options) -> Performance:
     if options.linkage is not None:
         from understudy.performance import driven
 
-        if body != Body():
-            raise InvalidValue("--linkage takes the clip's own skeleton; it has no other body.")
         return driven(clip, us.Linkage.from_clip(clip, options.linkage))
     return us.tracked(
         clip,
@@ -143,6 +142,28 @@ def performance_of(clip: Clip, body: Body, options: Options) -> Performance:
         pelvis=options.pelvis,
         torque_limits=options.torque_limits,
     )
+
+
+def check_linkage(options: Options, body: Body) -> None:
+    """Refuse options that would do nothing on a linkage, before any clip is read.
+
+    Raises:
+        InvalidValue: Names them.
+    """
+    if options.linkage is None:
+        return
+    usual = Body()
+    idle = [
+        name for name in Body.__dataclass_fields__ if getattr(body, name) != getattr(usual, name)
+    ]
+    idle += ["pelvis"] * (options.pelvis is not None)
+    idle += ["torque_limits"] * (options.torque_limits != "off")
+    if idle:
+        words = ", ".join(f"--{name.replace('_', '-')}" for name in idle)
+        raise InvalidValue(
+            f"{words}: for characters only; --linkage takes the bones of the clip, bodies of 1 kg "
+            "and a drive."
+        )
 
 
 def body_asked(options: Options) -> Body:
