@@ -230,3 +230,25 @@ def test_a_family_of_a_linkage_compares_the_drives_forces(clip, tmp_path):
     certificate = made.members[0].certificate
     assert certificate["kind"] == "understudy drive certificate"
     assert certificate["gap_max_mm"] < 1.0
+
+
+def test_a_clip_in_place_of_a_performance_is_refused(clip):
+    with pytest.raises(InvalidValue, match=r"give a performance: us\.tracked\(clip, character\)"):
+        family(clip, 2)
+
+
+def test_one_preset_needs_no_list():
+    one, listed = (casting.casting(0, v, (), None) for v in ("zombie", ["zombie"]))
+    assert one.as_dict() == listed.as_dict()
+    with pytest.raises(InvalidValue, match="preset's name"):
+        casting.casting(0, [3], (), None)
+
+
+def test_a_long_list_of_names_says_how_many_it_leaves_out():
+    text = str(UnknownName("joint", "x", [f"j{k}" for k in range(45)]))
+    assert text.endswith("j39, ... and 5 more.")
+
+
+def test_limbs_come_first_among_valid_names(walk):
+    with pytest.raises(UnknownName, match="Valid: left_arm"):
+        Limp(joint="qqq")(walk)

@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from os import PathLike
 from typing import Any
 
+_LISTED = 40  # names in a message
+
 
 class UnderstudyError(Exception):
     """Base of every error this package raises on purpose; its text is one line for a person."""
@@ -36,7 +38,9 @@ class UnknownName(UnderstudyError, LookupError):
         self.valid = tuple(valid)
         near = difflib.get_close_matches(name, self.valid, n=1, cutoff=0.5)
         hint = f" Did you mean {near[0]!r}?" if near else ""
-        listed = ", ".join(self.valid[:40]) or "none"
+        listed = ", ".join(self.valid[:_LISTED]) or "none"
+        if len(self.valid) > _LISTED:
+            listed += f", ... and {len(self.valid) - _LISTED} more"
         super().__init__(f"No {kind} named {name!r}.{hint} Valid: {listed}.")
 
 

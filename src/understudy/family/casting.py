@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from understudy.errors import InvalidValue
+from understudy.errors import InvalidValue, expect
 from understudy.performance import Performance
 from understudy.variations import PRESETS, Grip, Together, Variation, preset
 
@@ -75,8 +75,8 @@ class Casting:
 
 def casting(
     seed: int,
-    variations: Sequence[str | Variation] | None,
-    common: Sequence[Variation],
+    variations: str | Variation | Sequence[str | Variation] | None,
+    common: Variation | Sequence[Variation],
     grip: float | tuple[float, float] | None,
 ) -> Casting:
     """The casting asked for; without any variation, all presets in turn.
@@ -87,9 +87,13 @@ def casting(
     """
     if not 0 <= seed < 2**63:
         raise InvalidValue(f"seed is {seed}; it must be zero or a positive whole number.")
+    variations = (variations,) if isinstance(variations, str | Variation) else variations
+    common = (common,) if isinstance(common, Variation) else common
     if variations is None:
         variations = () if common else tuple(PRESETS)
     turns = tuple(preset(v) if isinstance(v, str) else v for v in variations)
+    for one in (*turns, *common):
+        expect(one, Variation, "a variation", "a preset's name or a variation such as Limp")
     if not turns and not common:
         raise InvalidValue("Nothing is to be varied; name presets or give variations.")
     slider = None if grip is None else Grip(to=grip)

@@ -16,7 +16,7 @@ from typing import Any
 from tqdm import tqdm
 
 from understudy.character import Linkage
-from understudy.errors import InvalidValue, MissingExtra, UnderstudyError
+from understudy.errors import InvalidValue, MissingExtra, UnderstudyError, shown
 from understudy.family.casting import (
     Casting,
     Part,
@@ -72,8 +72,8 @@ def family(
     count: int = 100,
     *,
     seed: int = 0,
-    variations: Sequence[str | Variation] | None = None,
-    common: Sequence[Variation] = (),
+    variations: str | Variation | Sequence[str | Variation] | None = None,
+    common: Variation | Sequence[Variation] = (),
     grip: float | tuple[float, float] | None = 0.5,
     out: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
@@ -102,6 +102,10 @@ def family(
         InvalidValue: An amount out of range, or a family too large for the memory or disk.
         UnderstudyError: The folder holds another family, or cannot be written.
     """
+    if not isinstance(performance, Performance):
+        raise InvalidValue(
+            f"family got {shown(performance)}; give a performance: us.tracked(clip, character)."
+        )
     jobs = _cores() if jobs is None else jobs
     folder = None if out is None else Path(out)
     cast = casting(seed, variations, common, grip)

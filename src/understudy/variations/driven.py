@@ -56,7 +56,7 @@ def bodies_of(drive: Drive, name: str) -> tuple[int, ...]:
         bodies = sorted({j for body in bodies for j in _outboard(skeleton, body)})
     if not bodies:
         limbs = [limb for limb, parts in LIMBS.items() if any(r in found for r in parts)]
-        raise UnknownName("joint, link or limb", name, [*skeleton.names, *found, *limbs])
+        raise UnknownName("joint, link or limb", name, [*limbs, *skeleton.names, *found])
     return tuple(bodies)
 
 

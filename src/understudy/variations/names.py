@@ -41,7 +41,7 @@ def links_of(character: Character, name: str) -> tuple[int, ...]:
     if roles and found:
         return found
     limbs = [limb for limb in LIMBS if any(k.role in LIMBS[limb] for k in character.links)]
-    valid = [*(k.joint for k in character.links), *(k.name for k in character.links), *limbs]
+    valid = [*limbs, *(k.joint for k in character.links), *(k.name for k in character.links)]
     raise UnknownName("joint, link or limb", name, dict.fromkeys(valid))
 
 
