@@ -43,6 +43,30 @@ def test_units_gravity_scale_and_step_are_stated(made):
             assert search["settings"]["gravity_units_per_s2"] == pytest.approx(9.81)
 
 
+def test_a_quick_run_says_that_it_is_one_and_draws_no_conclusion(made):
+    kept = json.loads((made / "wilke2017.json").read_text(encoding="utf-8"))
+    page = (made / "wilke2017.html").read_text(encoding="utf-8")
+    assert kept["quick"] is True
+    assert "Quick run" in page
+    assert "Best K_f found" not in page
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--evaluations", "-1", "--quick"], "evaluations is -1"),
+        (["--points", "0"], "points is 0"),
+        (["--runs", "-2"], "runs is -2"),
+        (["--seed", "-1"], "seed is -1"),
+    ],
+)
+def test_searches_that_are_none_are_refused(words, said, capsys, tmp_path):
+    assert main(["reproduce", "wilke2017", "--out", str(tmp_path / "out"), *words]) == 2
+    shown = capsys.readouterr().err
+    assert said in shown
+    assert shown.count("\n") == 1
+
+
 def test_tables_are_written_in_full_as_csv(made):
     with (made / "wilke2017_table_3.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))

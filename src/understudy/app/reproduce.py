@@ -79,11 +79,11 @@ def run(options: Options) -> Outcome:
 
 def summary(found: Reproduced, files: dict[str, str]) -> str:
     """Who played, tables 1 and 3, and the files."""
-    from understudy.papers.wilke2017.page import PARTS, SETTINGS
+    from understudy.papers.wilke2017.page import PARTS, QUICK, SETTINGS
 
     clips: list[tuple[str, ...]] = [("published file", "motion", "used here")]
     clips += [(f"{p.file}.bvh", p.motion, found.cast.sources[p.file]) for p in PARTS]
-    parts = [table(clips), SETTINGS]
+    parts = [*([QUICK] if found.quick else []), table(clips), SETTINGS]
     for sheet in (found.tables[0], found.tables[2]):
         rows = [sheet.head, *([_shown(cell) for cell in row] for row in sheet.rows)]
         numbers = [k for k, cell in enumerate(sheet.rows[0]) if not isinstance(cell, str)]

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from understudy.errors import InvalidValue
 from understudy.motion.files import written
 from understudy.papers.wilke2017.cast import casting
 from understudy.papers.wilke2017.experiments import Effort, Reproduced, experiments
@@ -43,13 +44,31 @@ def reproduce(
 
     Raises:
         ClipError: No such folder.
+        InvalidValue: A search of no points, runs or evaluations.
         MissingExtra: The package cma is missing (extra `search`).
     """
     effort = effort or Effort()
+    check_effort(effort)
     if quick:
         effort = replace(effort, **_QUICK)
     cast = casting(folder, seconds=_QUICK_SECONDS if quick else None, online=online)
-    return experiments(cast, effort, progress=progress)
+    return experiments(cast, effort, quick=quick, progress=progress)
+
+
+def check_effort(effort: Effort) -> None:
+    """Refuse searches that are none, whether or not they would run.
+
+    Raises:
+        InvalidValue: Names the value and its range.
+    """
+    counts = {"points": effort.points, "evaluations": effort.evaluations}
+    if effort.runs is not None:
+        counts["runs"] = effort.runs
+    for name, value in counts.items():
+        if not 1 <= value <= 1_000_000:
+            raise InvalidValue(f"{name} is {value}; it must lie in 1 to 1000000.")
+    if effort.seed < 0:
+        raise InvalidValue(f"seed is {effort.seed}; it must be zero or a positive whole number.")
 
 
 def write(found: Reproduced, folder: Path) -> None:
