@@ -110,7 +110,11 @@ def _held(s: Score) -> str:
         f"{_percent(s.root_force_mean_percent)} of body weight on average "
         f"(peak {_percent(s.root_force_peak_percent)})"
     )
-    carried = f"carries {_percent(s.root_support_percent)} of the weight"
+    carried = (
+        f"carries {_percent(s.root_support_percent)} of the weight"
+        if s.root_support_percent > 0.0
+        else "carries none of the weight"
+    )
     if s.pelvis == "led":
         return (
             f"The pelvis is led along the clip by an outside force of {force} that {carried}: "
