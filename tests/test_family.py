@@ -16,6 +16,7 @@ from understudy.family import casting, family, member
 from understudy.performance import driven, tracked
 from understudy.simulate import simulate
 from understudy.variations import Length, Limp, Mass, Scaling, Strength
+from understudy.variations.presets import preset
 
 COUNT = 3
 PRESETS = ("limp_right_arm", "heavy_boots", "tired")
@@ -252,3 +253,44 @@ def test_a_long_list_of_names_says_how_many_it_leaves_out():
 def test_limbs_come_first_among_valid_names(walk):
     with pytest.raises(UnknownName, match="Valid: left_arm"):
         Limp(joint="qqq")(walk)
+
+
+def test_a_folded_trunk_and_sunken_joints_are_flagged_on_characters_only(clip, walk):
+    take = simulate(walk)
+    poses = member.poses_of(take)
+    assert member.pose_flags(take, poses, poses, 1.0) == ()
+    sunk, folded = poses.copy(), poses.copy()
+    sunk[..., 2] -= 0.4
+    root = folded[:, :1].copy()
+    turned = folded - root
+    folded = root + np.stack((turned[..., 2], turned[..., 1], -turned[..., 0]), axis=-1)
+    folded[..., 2] += 2.0
+    assert member.pose_flags(take, sunk, poses, 1.0) == ("below the floor",)
+    assert member.pose_flags(take, folded, poses, 1.0) == ("trunk folded",)
+    driven_take = simulate(driven(clip, us.Linkage.from_clip(clip, "tree")))
+    low = member.poses_of(driven_take) - 1.0
+    assert member.pose_flags(driven_take, low, low, 1.0) == ()
+
+
+def test_masses_leave_the_motion_of_independent_bodies_and_say_so(clip, tmp_path):
+    performance = driven(clip, us.Linkage.from_clip(clip, "independent"), law="paper")
+    made = family(performance, 1, common=[Mass(link="left_foot", by=5.0)], out=tmp_path, jobs=1)
+    assert made.members[0].away_mm < 0.5
+    assert "only the cost changes" in made.members[0].notes[0]
+    kept = json.loads((tmp_path / "members" / "000_varied.json").read_text(encoding="utf-8"))
+    assert kept["notes"] == list(made.members[0].notes)
+    page = (tmp_path / "family.html").read_text(encoding="utf-8")
+    assert '"floor":false' in page
+    assert made.unvaried.notes == ()
+
+
+def test_a_zombie_on_foot_is_lighter_than_the_papers(clip, walk):
+    bodies = driven(clip, us.Linkage.from_clip(clip, "tree"))
+    on_foot = preset("zombie").drawn(np.random.default_rng(0))(walk)
+    driven_one = preset("zombie", linkage=True)
+    own = walk.scene.characters[0].simulated_mass
+    assert on_foot.scene.characters[0].simulated_mass < 1.3 * own
+    says = [str(part) for part in driven_one.parts]
+    assert "left thigh: mass 0.645 x the body's unvaried mass" in says
+    made = family(bodies, 1, variations="zombie", jobs=1)
+    assert any("unvaried mass" in text for text in made.members[0].says)

@@ -78,8 +78,12 @@ def casting(
     variations: str | Variation | Sequence[str | Variation] | None,
     common: Variation | Sequence[Variation],
     grip: float | tuple[float, float] | None,
+    *,
+    linkage: bool = False,
 ) -> Casting:
     """The casting asked for; without any variation, all presets in turn.
+
+    A linkage gets the presets of linkages.
 
     Raises:
         UnknownName: No preset of that name.
@@ -91,7 +95,7 @@ def casting(
     common = (common,) if isinstance(common, Variation) else common
     if variations is None:
         variations = () if common else tuple(PRESETS)
-    turns = tuple(preset(v) if isinstance(v, str) else v for v in variations)
+    turns = tuple(preset(v, linkage=linkage) if isinstance(v, str) else v for v in variations)
     for one in (*turns, *common):
         expect(one, Variation, "a variation", "a preset's name or a variation such as Limp")
     if not turns and not common:

@@ -53,6 +53,7 @@ class Family:
         cast: How they were drawn; `cast.part(i).variation` is member i's.
         folder: Where the files are, or None.
         reused: How many members were found finished.
+        floor: Whether a floor is simulated.
     """
 
     name: str
@@ -61,6 +62,7 @@ class Family:
     cast: Casting = field(repr=False)
     folder: Path | None = None
     reused: int = 0
+    floor: bool = True
 
     def flagged(self) -> dict[str, int]:
         """How many members carry each flag."""
@@ -108,7 +110,8 @@ def family(
         )
     jobs = _cores() if jobs is None else jobs
     folder = None if out is None else Path(out)
-    cast = casting(seed, variations, common, grip)
+    linkage = isinstance(performance.scene.characters[0], Linkage)
+    cast = casting(seed, variations, common, grip, linkage=linkage)
     check_size(performance, count, jobs, folder)
     check_variations(performance, cast, count)
     name = _name(performance)
@@ -139,6 +142,7 @@ def family(
         cast=cast,
         folder=folder,
         reused=reused,
+        floor=performance.scene.ground is not None,
     )
     if folder is not None:
         write_overview(made, performance, folder)

@@ -29,16 +29,22 @@ from understudy.output.gltf import write_glb
 from understudy.performance import Performance
 from understudy.simulate import simulate
 from understudy.take import Take
+from understudy.variations import Mass
 
 # A member left the floor when nothing touches it for this much longer than unvaried [s].
 _FLIGHT = 0.3
 # A member is held up when the outside force on its pelvis exceeds this mean [% of body weight].
 _HELD = 50.0
+# A joint is below the floor at this depth [m]; a trunk is folded at this angle [deg] and time [s].
+_SUNK, _FOLDED, _FOLDED_S = 0.05, 45.0, 0.5
 FLAGS = {
     "diverged": "the simulation blew up and is kept up to then",
     "fell": "the root is 0.2 m below or 45 degrees off its part",
     "fell apart": f"the parts of a joint came {APART_MM:g} mm from each other",
     "left the floor": f"nothing touched the body for {_FLIGHT:g} s longer than unvaried",
+    "below the floor": f"a joint was more than {1e3 * _SUNK:.0f} mm below the floor",
+    "trunk folded": f"chest or head was more than {_FOLDED:.0f} degrees off the unvaried one for "
+    f"{_FOLDED_S:g} s",
     "held up": f"the outside force on the pelvis exceeds {_HELD:.0f} % of body weight on average",
 }
 
@@ -59,6 +65,7 @@ class Member:
         total: Sums of it.
         certificate: See `understudy.evaluate.certificate`; without computing times.
         duration: Simulated time [s].
+        notes: What a reader of the figures should know, a sentence each.
         poses: Points of the body at `POSE_RATE` [m], world, shape (frames, points, 3), float32.
     """
 
@@ -73,6 +80,7 @@ class Member:
     total: dict[str, Any] = field(repr=False)
     certificate: dict[str, Any] = field(repr=False)
     duration: float
+    notes: tuple[str, ...] = ()
     poses: Any = field(repr=False)
 
     def as_dict(self) -> dict[str, Any]:
@@ -84,6 +92,7 @@ class Member:
             "preset": self.kind,
             "says": list(self.says),
             "flags": list(self.flags),
+            "notes": list(self.notes),
             "away_mm": self.away_mm,
             "duration_s": self.duration,
             "total": self.total,
@@ -162,7 +171,9 @@ def performed(part: Part, unvaried: Unvaried, performance: Performance) -> tuple
         scores = score(take, measures=m)
         flags, found = flags_of(take, scores, m, unvaried), _timeless(take, scores, m)
     cost = costs.changed(unvaried.effort, after)
-    poses = poses_of(take)
+    poses, share = poses_of(take), take.duration / max(varied.duration, 1e-9)
+    flags += pose_flags(take, poses, unvaried.poses, share)
+    away = _away(poses, unvaried.poses, share)
     member = Member(
         index=part.index,
         name=part.name,
@@ -170,7 +181,8 @@ def performed(part: Part, unvaried: Unvaried, performance: Performance) -> tuple
         says=tuple(str(p) for v in part.variation.parts for p in getattr(v, "parts", (v,))),
         variation=part.variation.as_dict(),
         flags=flags,
-        away_mm=_away(poses, unvaried.poses, take.duration / max(varied.duration, 1e-9)),
+        away_mm=away,
+        notes=notes_of(take, part, away),
         cost=cost,
         total=costs.total(cost),
         certificate=found,
@@ -194,6 +206,46 @@ def flags_of(take: Take, found: Score, m: Measured, unvaried: Unvaried) -> tuple
     return tuple(out)
 
 
+def pose_flags(take: Take, poses: Array, unvaried: Array, share: float) -> tuple[str, ...]:
+    """Flags that the poses of a character tell; a linkage knows neither floor nor trunk."""
+    body = take.scene.characters[0]
+    if not isinstance(body, Character):
+        return ()
+    out, joints = [], len(body.skeleton)
+    if take.scene.ground is not None and poses[:, :joints, 2].min() < -_SUNK:
+        out.append("below the floor")
+    usual = unvaried[_matching(poses, unvaried, share)]
+    for a, b in _trunk(body):
+        now, before = poses[:, b] - poses[:, a], usual[:, b] - usual[:, a]
+        lengths = np.linalg.norm(now, axis=1) * np.linalg.norm(before, axis=1)
+        cosine = np.sum(now * before, axis=1) / np.maximum(lengths, 1e-9)
+        off = cosine < np.cos(np.radians(_FOLDED))
+        if off.sum() > _FOLDED_S * POSE_RATE:
+            out.append("trunk folded")
+            break
+    return tuple(out)
+
+
+def _trunk(body: Character) -> list[tuple[int, int]]:
+    """Points of the poses between which chest and head lie, where the body has them."""
+    roles = {link.role: i for i, link in enumerate(body.links) if link.role}
+    ends = {j: len(body.skeleton) + k for k, j in enumerate(body.skeleton.end_joints)}
+    if (neck := roles.get("neck")) is None:
+        return []
+    chest = roles.get("upper_back", roles.get("pelvis"))
+    out = [] if chest is None else [(chest, neck)]
+    return out + [(neck, ends[neck])] * (neck in ends)
+
+
+def notes_of(take: Take, part: Part, away: float) -> tuple[str, ...]:
+    """Why a driven linkage of other masses moved as before."""
+    changes = [p for v in part.variation.parts for p in getattr(v, "parts", (v,))]
+    if linkage_of(take) is None or not any(isinstance(p, Mass) for p in changes):
+        return ()
+    still = round(away) == 0
+    return ("The drive's force follows the body's mass: only the cost changes.",) * still
+
+
 def longest_flight(m: Measured) -> float:
     """Longest time in which nothing touches the first character [s]."""
     touching = np.zeros(m.frames + 2, bool)
@@ -211,8 +263,13 @@ def poses_of(take: Take) -> Any:
 
 
 def _away(poses: Array, unvaried: Array, share: float) -> float:
-    at = np.linspace(0.0, min(share, 1.0) * (len(unvaried) - 1), len(poses)).round().astype(int)
-    return float(1e3 * np.linalg.norm(poses - unvaried[at], axis=2).mean())
+    apart = poses - unvaried[_matching(poses, unvaried, share)]
+    return float(1e3 * np.linalg.norm(apart, axis=2).mean())
+
+
+def _matching(poses: Array, unvaried: Array, share: float) -> Any:
+    """The frame of the unvaried poses at the same share of the part, for every frame."""
+    return np.linspace(0.0, min(share, 1.0) * (len(unvaried) - 1), len(poses)).round().astype(int)
 
 
 def _timeless(take: Take, found: Score, m: Measured) -> dict[str, Any]:
@@ -263,6 +320,7 @@ def kept_member(part: Part, folder: Path) -> Member | None:
             says=tuple(saved["says"]),
             variation=saved["variation"],
             flags=tuple(saved["flags"]),
+            notes=tuple(saved.get("notes", ())),
             away_mm=saved["away_mm"],
             cost=saved["cost"],
             total=saved["total"],

@@ -46,6 +46,7 @@ def _content(made: Family, figure: tuple[Bone, ...]) -> dict[str, Any]:
         "bones": plain(figure),
         "heading": heading_of(made.unvaried.poses, figure),
         "flags": FLAGS,
+        "floor": made.floor,
         "grip": None if made.cast.grip is None else made.cast.grip.to,
         "seed": made.cast.seed,
         "unvaried": _member(made.unvaried, origin),
@@ -67,6 +68,7 @@ def _member(member: Member, origin: Any) -> dict[str, Any]:
     numbers = {k: _short(v) if isinstance(v, float) else v for k, v in figures.items()}
     return {
         **numbers,
+        "notes": list(member.notes),
         "statement": member.certificate["statement"],
         "cost": costs,
         "poses": packed(member.poses, origin),

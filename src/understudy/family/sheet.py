@@ -43,12 +43,13 @@ def write_sheet(made: Family, figure: tuple[Bone, ...], path: Path) -> None:
     flags = ", ".join(f"{n} {flag}" for flag, n in made.flagged().items() if n)
     shown = "" if len(made.members) <= _MOST else f", the first {_MOST}"
     title = f"{made.name}: {len(made.members)} variations{shown}; {flags or 'none flagged'}"
+    title += "" if made.floor else "; no floor is simulated"
     pen.text((_GAP, 12), title, fill=_INK, font=large)
     axes = view_axes(heading_of(made.unvaried.poses, figure))
     scale = _scale(members, axes)
     for k, member in enumerate(members):
         x, y = _GAP + (k % columns) * width, 44 + (k // columns) * height
-        page.paste(_strip(member, made.unvaried, figure, axes, scale), (x, y + _LABELS))
+        page.paste(_strip(member, made.unvaried, figure, axes, scale, made.floor), (x, y + _LABELS))
         pen.rectangle((x, y, x + _CELL[0] - 1, y + _LABELS - 1), fill=_CARD)
         pen.text((x + 8, y + 4), member.name.replace("_", " "), fill=_INK, font=small)
         if member.flags:
@@ -83,7 +84,12 @@ def _centered(poses: Array) -> Array:
 
 
 def _strip(
-    member: Member, unvaried: Member, figure: tuple[Bone, ...], axes: Array, scale: float
+    member: Member,
+    unvaried: Member,
+    figure: tuple[Bone, ...],
+    axes: Array,
+    scale: float,
+    ground: bool,
 ) -> Any:
     from PIL import Image, ImageDraw
 
@@ -92,7 +98,8 @@ def _strip(
     image = Image.new("RGB", size, _CARD)
     pen = ImageDraw.Draw(image)
     floor = size[1] - 16 * fine
-    pen.rectangle((0, floor, size[0], size[1]), fill=_FLOOR)
+    if ground:
+        pen.rectangle((0, floor, size[0], size[1]), fill=_FLOOR)
     for k in range(_MOMENTS):
         share = (k + 0.5) / _MOMENTS
         at = (size[0] * share, floor)

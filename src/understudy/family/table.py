@@ -31,6 +31,7 @@ def row(member: Member) -> dict[str, Any]:
         "name": member.name,
         "preset": member.kind,
         "flags": list(member.flags),
+        "notes": list(member.notes),
         "duration_s": member.duration,
         "away_mm": member.away_mm,
         "joint_error_deg": one["joint_error_deg"],

@@ -84,7 +84,7 @@ class Mass(Variation):
             return f"{spoken(self.link)}: mass x {said(self.by)}"
         if self.to is not None:
             return f"{spoken(self.link)}: mass {said(self.to)} kg"
-        return f"{spoken(self.link)}: mass {said(self.share or 0.0)} of the body's"
+        return f"{spoken(self.link)}: mass {said(self.share or 0.0)} x the body's unvaried mass"
 
 
 @dataclass(frozen=True, kw_only=True)

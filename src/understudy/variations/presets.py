@@ -19,6 +19,24 @@ _ZOMBIE_UNITS = {
     "left_upper_arm": 5.0,
 }
 
+# A body that stands on the ground folds under those; here the same side is heavier, less so.
+_ZOMBIE_FACTORS = {
+    "left_foot": 2.0,
+    "left_shank": 2.0,
+    "left_thigh": 1.5,
+    "left_hand": 0.5,
+    "left_forearm": 1.25,
+    "left_upper_arm": 1.5,
+}
+_ZOMBIE_JOINTS = (
+    Lock(joint="left_knee"),
+    Lock(joint="left_wrist"),
+    Limp(joint="left_ankle"),
+    Strength(joint="left_elbow", by=(0.0, 0.2)),
+    Strength(joint="left_shoulder", by=(0.1, 0.5)),
+    Strength(joint="neck", by=(0.3, 0.6)),
+)
+
 PRESETS: dict[str, Together] = {
     # The paper's Table 4, and what its text says of it: one side significantly stronger.
     "stronger_left": Together(
@@ -52,13 +70,8 @@ PRESETS: dict[str, Together] = {
         name="heavy_boots",
     ),
     "zombie": Together(
-        *(Mass(link=link, share=_UNIT * units) for link, units in _ZOMBIE_UNITS.items()),
-        Lock(joint="left_knee"),
-        Lock(joint="left_wrist"),
-        Limp(joint="left_ankle"),
-        Strength(joint="left_elbow", by=(0.0, 0.2)),
-        Strength(joint="left_shoulder", by=(0.1, 0.5)),
-        Strength(joint="neck", by=(0.3, 0.6)),
+        *(Mass(link=link, by=factor) for link, factor in _ZOMBIE_FACTORS.items()),
+        *_ZOMBIE_JOINTS,
         name="zombie",
     ),
     # The paper, section 2.1, of a leg that was injured: less muscle there, more in the other.
@@ -74,13 +87,22 @@ PRESETS: dict[str, Together] = {
     ),
 }
 
+# What differs on linkages: nothing there has to stand, so the masses are the paper's own.
+LINKAGE_PRESETS: dict[str, Together] = {
+    "zombie": Together(
+        *(Mass(link=link, share=_UNIT * units) for link, units in _ZOMBIE_UNITS.items()),
+        *_ZOMBIE_JOINTS,
+        name="zombie",
+    ),
+}
 
-def preset(name: str) -> Together:
-    """A ready-made variation, with its ranges.
+
+def preset(name: str, *, linkage: bool = False) -> Together:
+    """A ready-made variation, with its ranges; for a linkage or for an articulated character.
 
     Raises:
         UnknownName: No preset of that name.
     """
     if name not in PRESETS:
         raise UnknownName("preset", name, PRESETS)
-    return PRESETS[name]
+    return LINKAGE_PRESETS.get(name, PRESETS[name]) if linkage else PRESETS[name]
