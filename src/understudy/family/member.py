@@ -219,7 +219,7 @@ def pose_flags(take: Take, poses: Array, unvaried: Array, share: float) -> tuple
         now, before = poses[:, b] - poses[:, a], usual[:, b] - usual[:, a]
         lengths = np.linalg.norm(now, axis=1) * np.linalg.norm(before, axis=1)
         cosine = np.sum(now * before, axis=1) / np.maximum(lengths, 1e-9)
-        off = cosine < np.cos(np.radians(_FOLDED))
+        off = (cosine < np.cos(np.radians(_FOLDED))) & (lengths > 1e-6)
         if off.sum() > _FOLDED_S * POSE_RATE:
             out.append("trunk folded")
             break
@@ -232,8 +232,8 @@ def _trunk(body: Character) -> list[tuple[int, int]]:
     ends = {j: len(body.skeleton) + k for k, j in enumerate(body.skeleton.end_joints)}
     if (neck := roles.get("neck")) is None:
         return []
-    chest = roles.get("upper_back", roles.get("pelvis"))
-    out = [] if chest is None else [(chest, neck)]
+    # From the pelvis: in some captures' skeletons the chest has no length of its own.
+    out = [(roles["pelvis"], neck)]
     return out + [(neck, ends[neck])] * (neck in ends)
 
 
