@@ -41,6 +41,23 @@ def test_a_linkage_can_be_varied(short, tmp_path, capsys):
     assert "000_varied" in capsys.readouterr().out
 
 
+def test_an_interrupt_says_how_many_are_finished(short, tmp_path, capsys, monkeypatch):
+    from understudy.family import family
+
+    real = family.__globals__["performed"]
+
+    def once(part, *rest):
+        if part.index == 1:
+            raise KeyboardInterrupt
+        return real(part, *rest)
+
+    monkeypatch.setitem(family.__globals__, "performed", once)
+    words = ["vary", str(short), "--limp", "right_arm", "--count", "3", "--jobs", "1"]
+    assert main([*words, "--out", str(tmp_path)]) == 130
+    shown = capsys.readouterr().err
+    assert "1 of 3 members are finished and kept; the same command goes on." in shown
+
+
 def test_words_become_variations():
     options = Options(
         clip="x",

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from understudy import __version__
-from understudy.app.outcome import Outcome, plain
+from understudy.app.outcome import Interrupted, Outcome, plain
 from understudy.app.streams import lasting, stoppable
 from understudy.errors import Diverged, UnderstudyError
 
@@ -195,7 +195,8 @@ def _run(name: str, arguments: list[str], as_json: bool) -> int:
         status = getattr(stop, "status", INTERRUPTED)
         word = "interrupted" if status == INTERRUPTED else "told to end"
         done = getattr(stop, "result", {})
-        return _fail(who, f"{word}; finished files are kept.", status, as_json, done)
+        kept = getattr(stop, "kept", Interrupted().kept)
+        return _fail(who, f"{word}; {kept}.", status, as_json, done)
     except Exception as error:
         if os.environ.get("UNDERSTUDY_DEBUG"):
             raise

@@ -30,10 +30,18 @@ class Interrupted(KeyboardInterrupt):
     Attributes:
         result: What `--json` prints of the finished part.
         status: Exit status of the process: 130 for Ctrl-C, 143 for a request to end.
+        kept: What a person reads of the finished part.
     """
 
-    def __init__(self, *, result: Mapping[str, Any] | None = None, status: int = 130):
+    def __init__(
+        self,
+        *,
+        result: Mapping[str, Any] | None = None,
+        status: int = 130,
+        kept: str = "finished files are kept",
+    ):
         super().__init__()
+        self.kept = kept
         self.result = dict(result or {})
         self.status = status
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from tyro.conf import Positional, UseAppendAction, arg
 
 from understudy.app.body import Body, character_for, check_body
-from understudy.app.outcome import Outcome, table
+from understudy.app.outcome import Interrupted, Outcome, table
 from understudy.app.reading import Reading, clip_from, stem
 from understudy.errors import InvalidValue
 
@@ -113,19 +113,34 @@ def run(options: Options) -> Outcome:
     check_body(body)
     clip = clip_from(options.clip, options)
     performance = performance_of(clip, body, options)
-    made = us.family(
-        performance,
-        options.count,
-        seed=options.seed,
-        variations=presets or None,
-        common=common,
-        grip=grip,
-        out=options.out or Path(f"{stem(options.clip)}_family"),
-        jobs=options.jobs,
-        progress=True,
-    )
+    out = options.out or Path(f"{stem(options.clip)}_family")
+    try:
+        made = us.family(
+            performance,
+            options.count,
+            seed=options.seed,
+            variations=presets or None,
+            common=common,
+            grip=grip,
+            out=out,
+            jobs=options.jobs,
+            progress=True,
+        )
+    except KeyboardInterrupt as stop:
+        raise stopped(stop, out, options.count) from stop
     diverged = sum("diverged" in member.flags for member in made.members)
     return Outcome(result=result(made), text=text(made), status=1 if diverged else 0)
+
+
+def stopped(stop: KeyboardInterrupt, out: Path, count: int) -> Interrupted:
+    """The interrupt with how many members are finished: a member's JSON is written last."""
+    written = [path.name.partition("_")[0] for path in (out / "members").glob("*_*.json")]
+    finished = sum(index.isdigit() and int(index) < count for index in written)
+    return Interrupted(
+        result={"count": count, "finished": finished},
+        status=getattr(stop, "status", Interrupted().status),
+        kept=f"{finished} of {count} members are finished and kept; the same command goes on",
+    )
 
 
 def performance_of(clip: Clip, body: Body, options: Options) -> Performance:
@@ -284,10 +299,12 @@ def text(made: Family) -> str:
     counts = [f"{n} {flag}" for flag, n in made.flagged().items() if n]
     flags = f"{', '.join(counts)} (kept)" if counts else "none"
     kept = f"; {made.reused} were there before" if made.reused else ""
+    helped = any(row(member)["help_percent"] is not None for member in made.members)
     lines += [
         "",
         "away: mean distance of joints from the unvaried motion; torque x: root mean square over",
-        "unvaried; help: outside force on the pelvis, % of body weight.",
+        "unvaried; help: outside force on the pelvis, % of body weight." if helped else "unvaried.",
+        *sorted({note for member in made.members for note in member.notes}),
         "",
         f"{len(made.members)} members{kept}; flagged: {flags}.",
         "files:",
