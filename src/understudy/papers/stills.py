@@ -27,7 +27,6 @@ STYLE = """
 .still .left{stroke:var(--c1);fill:var(--c1)}.still .right{stroke:var(--c0);fill:var(--c0)}
 .still .middle{stroke:var(--ink);fill:var(--ink)}
 .still circle{stroke:none}
-.still .floor{stroke:var(--rule);stroke-width:1.2}
 """
 
 
@@ -98,13 +97,12 @@ def view_axes(clip: Clip) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Moment:
-    """Lines of the body and of the clip's pose about the clip's root, and the floor's height."""
+    """Lines of the body and of the clip's pose about its root; there is no floor to draw."""
 
     body: Array  # (bodies, 2, 3)
     ghost: Array  # (bones, 2, 3)
     radii: Array
     sides: tuple[str, ...]
-    floor: float
 
 
 def _lines(take: Take, time: float) -> _Moment:
@@ -120,10 +118,8 @@ def _lines(take: Take, time: float) -> _Moment:
     parents = list(linkage.skeleton.parents)
     ghost = np.stack((pose[frame, [max(p, 0) for p in parents]], pose[frame]), axis=1)
     sides = tuple(_side(name.lower()) for name in linkage.names)
-    floor = float(pose[..., 2].min())
-    return _Moment(
-        np.stack((starts, ends), axis=1) - root, ghost - root, linkage.radii, sides, floor
-    )
+    body = np.stack((starts, ends), axis=1) - root
+    return _Moment(body, ghost - root, linkage.radii, sides)
 
 
 def _side(name: str) -> str:
@@ -142,11 +138,6 @@ def _svg(moment: _Moment, axes: Array, box: tuple[float, float, float, float]) -
         return _SCALE * (points @ axes[:2].T) * [1.0, -1.0]
 
     parts = []
-    y = flat(np.array([0.0, 0.0, moment.floor]))[1]
-    x0, y0, width, height = box
-    parts.append(
-        f'<line class="floor" x1="{x0:.1f}" y1="{y:.1f}" x2="{x0 + width:.1f}" y2="{y:.1f}"/>'
-    )
     for a, b in flat(moment.ghost):
         parts.append(
             f'<line class="ghost" stroke-width="1.5" x1="{a[0]:.1f}" y1="{a[1]:.1f}" '
@@ -168,5 +159,5 @@ def _svg(moment: _Moment, axes: Array, box: tuple[float, float, float, float]) -
                 f'<line class="{moment.sides[k]}" stroke-width="{2 * r:.1f}" x1="{a[0]:.1f}" '
                 f'y1="{a[1]:.1f}" x2="{b[0]:.1f}" y2="{b[1]:.1f}"/>'
             )
-    shape = f"{x0:.1f} {y0:.1f} {width:.1f} {height:.1f}"
+    shape = " ".join(f"{number:.1f}" for number in box)
     return f'<svg class="still" viewBox="{shape}" aria-hidden="true">{"".join(parts)}</svg>'
