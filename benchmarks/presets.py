@@ -28,7 +28,7 @@ def line(name: str, members: list[Member]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--clip", default="sample:walk")
     parser.add_argument("--each", type=int, default=10)
     parser.add_argument("--seed", type=int, default=7)
