@@ -379,7 +379,7 @@ def test_settings_that_cannot_be_meant_are_refused(gesture):
         other = us.sample("walk")
         renamed = replace(other.skeleton, names=tuple(f"j{i}" for i in range(len(other.skeleton))))
         driven(replace(other, skeleton=renamed), linkage)
-    with pytest.raises(InvalidValue, match="must be a Linkage|is no linkage"):
+    with pytest.raises(InvalidValue, match=r"must be a Linkage|is no linkage"):
         person = us.Character.from_clip(gesture)
         driven(gesture, person)  # type: ignore[arg-type]
     with pytest.raises(UnknownName, match="right_ball"):
