@@ -66,9 +66,10 @@ def median(rows: list[dict]) -> dict:
 
 KEYS = (
     "joint_error_deg",
-    "joint_error_median_deg",
+    "joint_error_as_read_deg",
     "hands_mm",
     "feet_mm",
+    "feet_as_read_mm",
     "root_position_mm",
     "lag_ms",
     "root_force_mean_percent",

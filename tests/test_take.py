@@ -98,3 +98,20 @@ def test_a_clip_too_long_for_memory_is_refused_before_it_starts():
         Performance(scene=performance.scene, duration=1e7)
     with pytest.raises(InvalidValue, match="duration"):
         Performance(scene=performance.scene, duration=float("nan"))
+
+
+def test_the_score_tells_what_preparing_the_clip_changed():
+    from dataclasses import replace
+
+    from understudy.evaluate import score
+
+    clip = sample("walk").trimmed(0.0, 1.5)
+    character = Character.from_clip(clip)
+    path = np.array(clip.root_positions)
+    path[:, 0] += 0.15 * clip.times  # Its feet slide; planted ones do not.
+    plain, sliding = (
+        score(track(c, character)) for c in (clip, replace(clip, root_positions=path))
+    )
+    assert abs(plain.joint_error_as_read_deg - plain.joint_error_deg) < 0.5
+    assert sliding.joint_error_as_read_deg > sliding.joint_error_deg + 0.5
+    assert sliding.feet_as_read_mm > sliding.feet_mm + 5.0

@@ -116,6 +116,8 @@ def _tracking_tiles(s: Score) -> list[Tile]:
     tiles: list[Tile] = []
     if s.joint_error_deg is not None:
         note = f"rms; median {s.joint_error_median_deg:.2f}°"
+        if s.joint_error_as_read_deg is not None:
+            note += f"; {s.joint_error_as_read_deg:.2f}° rms off the clip as read"
         tiles.append(("Joint error", _value(s.joint_error_deg, "°", 2), note))
     if s.lag_ms is not None and s.joint_error_without_lag_deg is not None:
         note = f"{s.joint_error_without_lag_deg:.2f}° rms without it"

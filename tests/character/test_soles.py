@@ -109,8 +109,9 @@ def test_soles_are_fitted_to_a_foot_that_stands_at_an_angle():
     character = Character.from_clip(clip)
     fitted = sole_heights(standing(retargeted(clip, character), character), character)
     plain = sole_heights(standing(retargeted(clip, WALKER), WALKER), WALKER)
-    spread = [np.abs(np.quantile(h.min(axis=1), [0.1, 0.9])).max() for h in (fitted, plain)]
-    assert spread[0] <= spread[1] + 1e-3
+    reached = [np.quantile(h, 0.05, axis=0) for h in (fitted, plain)]
+    assert np.abs(reached[0]).max() < 0.002
+    assert reached[1].max() > 0.015
 
 
 def test_another_body_keeps_its_feet_on_the_ground():

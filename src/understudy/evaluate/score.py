@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import platform
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from understudy.character import Linkage
+from understudy.character import Linkage, retargeted
 from understudy.errors import InvalidValue, shown
 from understudy.evaluate import compare, feet, physics
 from understudy.evaluate.measure import Measured, Performer, measured
@@ -54,6 +54,10 @@ class Score:
         root_rotation_deg: Root mean square angle of the root [deg].
         fell_s: When the body fell: its root more than 0.2 m below or 45 degrees off the clip's [s].
         lag_ms: How late the joints are [ms].
+        joint_error_as_read_deg: Joint error against the clip as it was read, before glitches were
+            repaired and feet planted [deg].
+        feet_as_read_mm: Mean distance of ankles and balls of the feet from the clip as read, one
+            constant difference of height left out [mm].
         joint_error_without_lag_deg: Joint error after shifting the reference by the lag [deg].
         joint_position_without_lag_mm: Joint position error after that shift [mm].
         pelvis: "led", "assisted", "free" or "unknown": what holds the root.
@@ -104,6 +108,8 @@ class Score:
     root_rotation_deg: float | None = None
     fell_s: float | None = None
     lag_ms: float | None = None
+    joint_error_as_read_deg: float | None = None
+    feet_as_read_mm: float | None = None
     joint_error_without_lag_deg: float | None = None
     joint_position_without_lag_mm: float | None = None
     pelvis: str = "unknown"
@@ -230,6 +236,7 @@ def _tracking(take: Take, m: Measured, who: Performer) -> dict[str, Any]:
         out["hands_mm"] = 1e3 * _mean(found.end_distances[:, hands])
     if soles:
         out["feet_mm"] = 1e3 * _mean(found.distances[:, soles])
+    out |= _as_read(take, who, simulated, soles)
     late = compare.lag(simulated, reference)
     if late is not None:
         shifted = compare.compared(simulated, reference, lag=late)
@@ -238,6 +245,25 @@ def _tracking(take: Take, m: Measured, who: Performer) -> dict[str, Any]:
             "joint_error_without_lag_deg": _rms(np.degrees(shifted.joint_angles)),
             "joint_position_without_lag_mm": 1e3 * _mean(shifted.distances),
         }
+    return out
+
+
+def _as_read(take: Take, who: Performer, simulated: Clip, soles: list[int]) -> dict[str, Any]:
+    """Errors against the clip as read, where the tracked clip is that one frame for frame."""
+    captured, reference = take.captured[who.index], take.references[who.index]
+    if captured is None or reference is None:
+        return {}
+    if (captured.frames, captured.rate) != (reference.frames, reference.rate):
+        return {}
+    read = retargeted(captured, who.character)
+    height = float(np.median(reference.root_positions[:, 2] - read.root_positions[:, 2]))
+    read = replace(read, root_positions=read.root_positions + np.array([0.0, 0.0, height]))
+    found = compare.compared(simulated, read)
+    out: dict[str, Any] = {}
+    if found.joint_angles.shape[1]:
+        out["joint_error_as_read_deg"] = _rms(np.degrees(found.joint_angles))
+    if soles:
+        out["feet_as_read_mm"] = 1e3 * _mean(found.distances[:, soles])
     return out
 
 
@@ -388,6 +414,8 @@ def _table(s: Score) -> str:
     )
     row("hands", "{:.1f} mm", s.hands_mm)
     row("feet", "{:.1f} mm", s.feet_mm)
+    row("clip as read", "joints {:.2f} deg rms off it", s.joint_error_as_read_deg)
+    row("", "feet {:.1f} mm off it", s.feet_as_read_mm)
     row("root", "{:.1f} mm, {:.2f} deg", s.root_position_mm, s.root_rotation_deg)
     row(
         "lag",
