@@ -3,7 +3,26 @@
 In: `Character` values and things with `attach(spec)`. Out: a `Scene` with its `MjModel`.
 """
 
+from understudy.scene.ball import Ball
+from understudy.scene.box import Box
+from understudy.scene.drum import Drum
 from understudy.scene.ground import Ground
+from understudy.scene.props import Prop
 from understudy.scene.scene import Part, Scene, timestep_for
+from understudy.scene.staff import Staff
+from understudy.scene.table import Table
+from understudy.scene.touching import Contacts
 
-__all__ = ["Ground", "Part", "Scene", "timestep_for"]
+__all__ = [
+    "Ball",
+    "Box",
+    "Contacts",
+    "Drum",
+    "Ground",
+    "Part",
+    "Prop",
+    "Scene",
+    "Staff",
+    "Table",
+    "timestep_for",
+]

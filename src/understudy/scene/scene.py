@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
@@ -13,14 +13,10 @@ import numpy as np
 from understudy.character import Character, Linkage
 from understudy.character.body import SelfCollision
 from understudy.errors import InvalidValue
+from understudy.scene import touching
 from understudy.scene.ground import Ground
-
-
-class Prop(Protocol):
-    """Anything that adds itself to a scene being built: a drum, a staff, a slope."""
-
-    def attach(self, spec: mujoco.MjSpec) -> None:
-        """Add bodies, geoms and sensors to `spec`, under names of the prop's own."""
+from understudy.scene.props import Prop
+from understudy.scene.touching import Contacts
 
 
 @dataclass(frozen=True)
@@ -63,7 +59,11 @@ class Scene:
         characters: Characters or linkages, at least one. The first keeps its names in the model;
             the others' are prefixed "b/", "c/" and so on.
         ground: The floor, or None for free space.
-        props: Things that attach themselves.
+        props: Things that attach themselves; each has a name of its own.
+        contacts: What collides besides soles and loose props with the ground: pairs of names of
+            links and props, such as ("right_hand", "drum"); of a second character
+            "b/right_hand". "all": every prop with every link and other prop, and links of
+            different characters with each other. None by default.
         timestep: Physics step [s].
         gravity: Downward acceleration [m/s^2].
         self_collision: Which of a character's own link pairs collide; see `Character.spec`.
@@ -74,6 +74,7 @@ class Scene:
     characters: tuple[Any, ...]
     ground: Ground | None = field(default_factory=Ground)
     props: tuple[Prop, ...] = ()
+    contacts: Contacts = ()
     timestep: float = 0.002
     gravity: float = 9.81
     self_collision: SelfCollision = "off"
@@ -97,6 +98,26 @@ class Scene:
             raise InvalidValue(
                 f"integrator is {self.integrator!r}; it must be 'implicitfast' or 'euler'."
             )
+        self._check_names()
+
+    def _check_names(self) -> None:
+        """Refuse props of one name, and contacts of names that do not exist."""
+        named = [p.name for p in self.props if isinstance(getattr(p, "name", None), str)]  # type: ignore[attr-defined]
+        links = touching.link_names(self.characters, self._prefixes)
+        taken = set(links)
+        for name in named:
+            if name in taken:
+                what = "link" if name in links else "prop"
+                raise InvalidValue(
+                    f"A prop is named {name!r}, as a {what} of the scene is; give it another name."
+                )
+            taken.add(name)
+        contacts = touching.checked(self.contacts, (*links, *named))
+        object.__setattr__(self, "contacts", contacts)
+
+    @property
+    def _prefixes(self) -> tuple[str, ...]:
+        return tuple(self.prefix(k) for k in range(len(self.characters)))
 
     def prefix(self, character: int = 0) -> str:
         """Name prefix of a character in the model."""
@@ -114,6 +135,8 @@ class Scene:
             prop.attach(spec)
         option = spec.option
         option.timestep = self.timestep
+        if self.contacts:
+            touching.add_pairs(spec, self.contacts, self.characters, self._prefixes, self.props)
         option.gravity = [0.0, 0.0, -self.gravity]
         linkages = all(isinstance(character, Linkage) for character in self.characters)
         if (self.integrator or ("euler" if linkages else "implicitfast")) == "euler":
@@ -140,6 +163,8 @@ class Scene:
         """
         try:
             return self.spec().compile()
+        except InvalidValue:
+            raise
         except ValueError as error:
             raise InvalidValue(f"The engine refuses this scene: {error}") from error
 

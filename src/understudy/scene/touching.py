@@ -1,0 +1,197 @@
+"""What collides besides the ground: explicit contact pairs between the parts that are named.
+
+Only named parts cost anything. A link touches with the shapes that are seen, so that a palm is as
+thick as it looks; a foot with its soles, on which it also stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, Literal
+
+import mujoco
+
+from understudy.character import Character, Linkage
+from understudy.errors import InvalidValue, UnknownName, shown
+from understudy.scene import props
+
+Contacts = tuple[tuple[str, str], ...] | Literal["all"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Side:
+    """One thing that can touch.
+
+    Attributes:
+        name: As the user says it.
+        character: Number of the character it is a link of, or None for a prop.
+        geoms: Names of its geoms in the model.
+        apart: Names of what it never touches: neighbors it is joined to.
+        fixed: Whether it cannot move.
+        friction, stiffness_time: Of its surface.
+    """
+
+    name: str
+    character: int | None
+    geoms: tuple[str, ...]
+    apart: frozenset[str] = frozenset()
+    fixed: bool = False
+    friction: float = props.FRICTION
+    stiffness_time: float = props.STIFFNESS_TIME
+
+
+def checked(contacts: object, names: Iterable[str]) -> Contacts:
+    """The contacts of a scene as pairs of names that exist.
+
+    Raises:
+        InvalidValue: They are neither "all" nor pairs of two different names.
+        UnknownName: A name is of no link and no prop; the text suggests the nearest.
+    """
+    if isinstance(contacts, str):
+        if contacts != "all":
+            raise InvalidValue(f"contacts is {contacts!r}; it must be pairs of names, or 'all'.")
+        return "all"
+    if not isinstance(contacts, Sequence):
+        raise InvalidValue(f"contacts is {shown(contacts)}; it must be pairs of names, or 'all'.")
+    valid, out = tuple(names), []
+    for pair in contacts:
+        good = not isinstance(pair, str) and isinstance(pair, Sequence) and len(pair) == 2
+        if not (good and all(isinstance(name, str) for name in pair)):
+            raise InvalidValue(f"A pair of contacts is {shown(pair)}; it must be two names.")
+        for name in pair:
+            if name not in valid:
+                raise UnknownName("link or prop", name, valid)
+        if pair[0] == pair[1]:
+            raise InvalidValue(f"contacts has {pair[0]!r} touch itself; name two parts.")
+        out.append((pair[0], pair[1]))
+    return tuple(out)
+
+
+def link_names(characters: Sequence[Any], prefixes: Sequence[str]) -> list[str]:
+    """Names of every link of every character, as the model has them."""
+    return [
+        prefix + name
+        for character, prefix in zip(characters, prefixes, strict=True)
+        for name in (
+            character.names
+            if isinstance(character, Linkage)
+            else [link.name for link in character.links]
+        )
+    ]
+
+
+def add_pairs(
+    spec: mujoco.MjSpec,
+    contacts: Contacts,
+    characters: Sequence[Any],
+    prefixes: Sequence[str],
+    things: Sequence[Any],
+) -> None:
+    """Add the contact pairs to a scene in which everything else is attached.
+
+    Raises:
+        InvalidValue: A pair that can never touch, because both are fixed or are joined.
+    """
+    sides: dict[str, _Side] = {}
+    for k, (character, prefix) in enumerate(zip(characters, prefixes, strict=True)):
+        for side in _links(spec, k, character, prefix):
+            sides[side.name] = side
+    for prop in things:
+        side = _prop(spec, prop, sides)
+        if side is not None:
+            sides[side.name] = side
+    if contacts == "all":
+        chosen = [pair for pair in combinations(sides.values(), 2) if _may_touch(*pair)]
+    else:
+        named = {tuple(sorted(pair)): pair for pair in contacts}
+        chosen = [(sides[a], sides[b]) for a, b in named.values()]
+        for a, b in chosen:
+            _refuse(a, b)
+    for a, b in chosen:
+        _pair(spec, a, b)
+
+
+def _links(spec: mujoco.MjSpec, number: int, character: Any, prefix: str) -> Iterable[_Side]:
+    if isinstance(character, Linkage):
+        for name in character.names:
+            geoms = tuple(geom.name for geom in spec.body(prefix + name).geoms)
+            yield _Side(name=prefix + name, character=number, geoms=geoms)
+        return
+    for link in character.links:
+        near = {character.links[link.parent].name} if link.parent >= 0 else set()
+        near |= {other.name for other in character.links if _parent(character, other) == link.name}
+        yield _Side(
+            name=prefix + link.name,
+            character=number,
+            geoms=tuple(f"{prefix}{link.name}_{k}" for k in _touching(link)),
+            apart=frozenset(prefix + name for name in near),
+        )
+
+
+def _parent(character: Character, link: Any) -> str | None:
+    return character.links[link.parent].name if link.parent >= 0 else None
+
+
+def _touching(link: Any) -> list[int]:
+    """Numbers of the shapes a link touches props and other bodies with."""
+    foot = (link.role or "").endswith(("_ankle", "_ball"))
+    hand = (link.role or "").endswith("_wrist")
+    shapes = list(enumerate(link.shapes))
+    if foot:
+        return [k for k, shape in shapes if shape.use != "visible"]
+    solid = [
+        k
+        for k, shape in shapes
+        if shape.use == "visible" and (shape.density > 0 or (hand and shape.kind == "capsule"))
+    ]
+    return solid or [k for k, shape in shapes if shape.use == "visible"] or [k for k, _ in shapes]
+
+
+def _prop(spec: mujoco.MjSpec, prop: Any, sides: Mapping[str, _Side]) -> _Side | None:
+    name = getattr(prop, "name", None)
+    if not isinstance(name, str) or spec.body(name) is None:
+        return None
+    body, held = spec.body(name), getattr(prop, "held_by", None)
+    apart = frozenset({held, *sides[held].apart}) if held else frozenset()
+    return _Side(
+        name=name,
+        character=None,
+        geoms=tuple(geom.name for geom in body.geoms if geom.group == 0),
+        apart=apart,
+        fixed=not held and not body.joints,
+        friction=getattr(prop, "friction", props.FRICTION),
+        stiffness_time=getattr(prop, "stiffness_time", props.STIFFNESS_TIME),
+    )
+
+
+def _may_touch(a: _Side, b: _Side) -> bool:
+    """Whether "all" takes in a pair: two links of one character are left out."""
+    same = a.character is not None and a.character == b.character
+    return not (same or (a.fixed and b.fixed) or b.name in a.apart or a.name in b.apart)
+
+
+def _refuse(a: _Side, b: _Side) -> None:
+    if a.fixed and b.fixed:
+        raise InvalidValue(f"contacts pairs {a.name!r} and {b.name!r}, which are both fixed.")
+    if b.name in a.apart or a.name in b.apart:
+        raise InvalidValue(
+            f"contacts pairs {a.name!r} and {b.name!r}, which are joined and always overlap."
+        )
+
+
+def _pair(spec: mujoco.MjSpec, a: _Side, b: _Side) -> None:
+    """Pairs of all geoms of two sides, with the stiffer surface and the greater friction."""
+    time = max(min(a.stiffness_time, b.stiffness_time), 2.0 * spec.option.timestep)
+    friction = max(a.friction, b.friction)
+    for one in a.geoms:
+        for two in b.geoms:
+            spec.add_pair(
+                name=f"{one}~{two}",
+                geomname1=one,
+                geomname2=two,
+                condim=3,
+                friction=[friction, friction, 0.005, 0.0001, 0.0001],
+                solref=[time, 1.0],
+            )
