@@ -102,17 +102,16 @@ def simulated(
         data.qpos[: len(qpos)] = qpos
     if qvel is not None:
         data.qvel[: len(qvel)] = qvel
-    rows: list[list[Any]] = [[], [], [], []]
+    rows: list[list[Any]] = [[], [], [], [], []]
     step = spec.option.timestep
     for k in range(round(duration / step) + 1):
         data.ctrl[:] = 0.0
         data.ctrl[0] = data.ctrl[10] = 1.0
-        data.qfrc_applied[:] = 0.0
+        data.qfrc_applied[:], data.xfrc_applied[:] = 0.0, 0.0
         if control is not None:
             control(k * step, data)
-        for row, now in zip(
-            rows, (data.qpos, data.qvel, data.ctrl, data.qfrc_applied), strict=True
-        ):
+        live = (data.qpos, data.qvel, data.ctrl, data.qfrc_applied, data.xfrc_applied)
+        for row, now in zip(rows, live, strict=True):
             row.append(now.copy())
         mujoco.mj_step(model, data)
     second = "left_ankle" if foot else "shoulder"
@@ -136,11 +135,12 @@ def simulated(
         bodies=(1, 2), qpos=slice(0, 11), dofs=slice(0, 9), root_actuators=(1, 2, 3, 4)
     )
     character = SimpleNamespace(name="box", links=links, skeleton=skeleton, height=1.5)
-    qpos_, qvel_, ctrl, applied = (np.array(row) for row in rows)
+    qpos_, qvel_, ctrl, applied, outside = (np.array(row) for row in rows)
     return SimpleNamespace(
         scene=SimpleNamespace(
             characters=(character,),
             parts=(part,),
+            props=(),
             ground=True if model.ngeom and model.geom_type[0] == 0 else None,
         ),
         model=model,
@@ -151,6 +151,7 @@ def simulated(
         qvel=qvel_,
         ctrl=ctrl,
         qfrc_applied=applied,
+        xfrc_applied=outside,
         references=(reference,),
         captured=(None,),
         seed=7,

@@ -2,11 +2,28 @@
 
 In comes a `Take`; out go `Score` (how well it tracks and how physical it is), the certificate (the
 same as a JSON document, with a sentence that says what it means), `Measured` (forces, torques and
-energy frame by frame) and charts. Definitions and formulas: docs/evaluation.md.
+energy frame by frame), contact events (what touched what, when and how hard), pushes and charts.
+Definitions and formulas: docs/evaluation.md.
 """
 
 from understudy.evaluate.certificate import certificate, write_certificate
+from understudy.evaluate.events import ContactEvent, contact_events, contact_force
 from understudy.evaluate.measure import Measured, measured
+from understudy.evaluate.overlap import overlap
+from understudy.evaluate.pushes import PushEvent, push_events
 from understudy.evaluate.score import Score, score
 
-__all__ = ["Measured", "Score", "certificate", "measured", "score", "write_certificate"]
+__all__ = [
+    "ContactEvent",
+    "Measured",
+    "PushEvent",
+    "Score",
+    "certificate",
+    "contact_events",
+    "contact_force",
+    "measured",
+    "overlap",
+    "push_events",
+    "score",
+    "write_certificate",
+]

@@ -33,6 +33,7 @@ class Contacts:
         depth: Penetration [m], positive when the geometries overlap, shape (contacts,).
         slip: Speed of the second body's material point over the first's, along the contact plane
             [m/s], shape (contacts,).
+        closing: Speed at which the two approach along the normal [m/s], shape (contacts,).
     """
 
     frame: Integers = field(repr=False)
@@ -43,6 +44,7 @@ class Contacts:
     force: Array = field(repr=False)
     depth: Array = field(repr=False)
     slip: Array = field(repr=False)
+    closing: Array = field(repr=False)
 
     def __len__(self) -> int:
         return len(self.frame)
@@ -117,6 +119,7 @@ class Recorder:
                 force=none,
                 depth=flat,
                 slip=flat,
+                closing=flat,
             )
         geom, axes, place, dist, address, dim, friction, _ = (
             np.concatenate(column) for column in zip(*self._raw, strict=True)
@@ -147,6 +150,7 @@ class Recorder:
             force=np.einsum("cij,ci->cj", axes, local),
             depth=-dist,
             slip=np.linalg.norm(tangent, axis=1),
+            closing=-np.sum(axes[:, 0] * relative, axis=1),
         )
 
     def _local_forces(self, efc: Array, address: Integers, dim: Integers, friction: Array) -> Array:

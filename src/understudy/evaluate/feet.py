@@ -13,6 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from understudy.evaluate.events import ContactEvent, events_of, touching
 from understudy.evaluate.measure import Measured, Performer
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
@@ -24,6 +25,10 @@ SLOW = 0.35
 """A sole point slower than this may stand [m/s]; a foot in swing passes the ground at 3 m/s."""
 LOADED = 0.02
 """Share of body weight a foot must carry to count as standing."""
+STEP_GAP = 0.1
+"""A foot that leaves the ground for less than this has not taken a step [s]; swings last 0.2 s and
+more, a heel that lifts off and settles again some hundredths."""
+GROUND = "ground"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +46,74 @@ class Slide:
     standing: np.ndarray[Any, np.dtype[np.bool_]] = field(repr=False)
     speeds: Array = field(repr=False)
     lowest: Array = field(repr=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Footfalls:
+    """How often and how long one foot, with its toes, was on the ground.
+
+    Attributes:
+        foot: The link that is the foot.
+        touchdowns: How often it came down, the start of a take that begins on it included.
+        stance_mean_s: Mean time on the ground [s].
+        impulse_mean_ns: Mean impulse of the ground on it [N s].
+        peak_force_n: Largest force [N].
+        penetration_mm: Deepest overlap [mm].
+        events: Each stay on the ground.
+    """
+
+    foot: str
+    touchdowns: int
+    stance_mean_s: float
+    impulse_mean_ns: float
+    peak_force_n: float
+    penetration_mm: float
+    events: tuple[ContactEvent, ...] = field(repr=False)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values that JSON takes, without the single events."""
+        names = ("foot", "touchdowns", "stance_mean_s", "impulse_mean_ns", "peak_force_n")
+        return {name: getattr(self, name) for name in (*names, "penetration_mm")}
+
+
+def footfalls(measured: Measured) -> tuple[Footfalls, ...]:
+    """The stays on the ground of every foot of every character, where it had any."""
+    names, out = measured.owners, []
+    if GROUND not in names.names:
+        return ()
+    for who in measured.performers:
+        for bodies in feet(who).values():
+            foot, *toes = (names.names[names.of_body[body]] for body in bodies)
+            rows = touching(measured, foot, GROUND, merged=dict.fromkeys(toes, foot))
+            stays = events_of(rows, gap=STEP_GAP)
+            if not stays:
+                continue
+            out.append(
+                Footfalls(
+                    foot=foot,
+                    touchdowns=len(stays),
+                    stance_mean_s=float(np.mean([stay.duration_s for stay in stays])),
+                    impulse_mean_ns=float(np.mean([stay.impulse_ns for stay in stays])),
+                    peak_force_n=max(stay.peak_force_n for stay in stays),
+                    penetration_mm=max(stay.penetration_mm for stay in stays),
+                    events=stays,
+                )
+            )
+    return tuple(out)
+
+
+def without_footfalls(
+    measured: Measured, events: tuple[ContactEvent, ...]
+) -> tuple[ContactEvent, ...]:
+    """The events that are not a foot on the ground."""
+    names = measured.owners
+    soles = {
+        names.names[names.of_body[body]]
+        for who in measured.performers
+        for bodies in feet(who).values()
+        for body in bodies
+    }
+    return tuple(e for e in events if not (e.between[0] in soles and e.between[1] == GROUND))
 
 
 def feet(who: Performer) -> dict[str, np.ndarray[Any, np.dtype[np.int64]]]:

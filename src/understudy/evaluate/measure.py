@@ -21,6 +21,7 @@ import numpy as np
 
 from understudy.errors import InvalidValue
 from understudy.evaluate.contacts import Contacts, Integers, Recorder
+from understudy.evaluate.owners import Owners, owners
 from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
 from understudy.simulate import quiet_engine
@@ -88,12 +89,15 @@ class Measured:
         power: Power of those forces [W], shape (frames, dofs).
         resistance: Friction, springs and limits of the joints and contacts, over the same step
             [N, N m], shape (frames, dofs).
+        push: Forces that the take applied to its links from outside, as a hand or a gust does
+            [N, N m], shape (frames, dofs); no part of `torque`.
         kinetic: Kinetic energy of the scene [J], shape (frames,).
         potential: Gravitational energy of the scene over that at z = 0 [J], shape (frames,).
         center_of_mass: Per character [m], world, shape (frames, characters, 3).
         momentum: Linear momentum per character [N s], world, shape (frames, characters, 3).
         angular_momentum: About the center of mass [N m s], world, (frames, characters, 3).
         contacts: Every contact point.
+        owners: Whose the geometries in contact are.
         body_positions: World positions of all bodies [m], shape (frames, bodies, 3).
         body_rotations: World orientations of all bodies, wxyz, shape (frames, bodies, 4).
     """
@@ -105,12 +109,14 @@ class Measured:
     torque: Array = field(repr=False)
     power: Array = field(repr=False)
     resistance: Array = field(repr=False)
+    push: Array = field(repr=False)
     kinetic: Array = field(repr=False)
     potential: Array = field(repr=False)
     center_of_mass: Array = field(repr=False)
     momentum: Array = field(repr=False)
     angular_momentum: Array = field(repr=False)
     contacts: Contacts = field(repr=False)
+    owners: Owners = field(repr=False)
     body_positions: Array = field(repr=False)
     body_rotations: Array = field(repr=False)
 
@@ -193,7 +199,8 @@ def measured_at(take: Take, steps: Integers, rate: float) -> Measured:
         raw = _pass(take, model, data, steps, np.array([p.bodies[0] for p in who]))
     torque, power = _over_the_step(take, model, steps, raw)
     center = raw.centers[:, model.body_rootid]
-    for array in (torque, power, raw.energy, raw.centers, raw.places, raw.turned, raw.resistance):
+    kept = (raw.energy, raw.centers, raw.places, raw.turned, raw.resistance, raw.push)
+    for array in (torque, power, *kept):
         array.setflags(write=False)
     return Measured(
         steps=steps,
@@ -203,12 +210,14 @@ def measured_at(take: Take, steps: Integers, rate: float) -> Measured:
         torque=torque,
         power=power,
         resistance=raw.resistance,
+        push=raw.push,
         kinetic=raw.energy[:, 1],
         potential=-float(model.body_mass.sum()) * (raw.centers[:, 0] @ model.opt.gravity),
         center_of_mass=raw.trees[:, :, 0],
         momentum=raw.trees[:, :, 1],
         angular_momentum=raw.trees[:, :, 2],
         contacts=raw.contacts.table(raw.velocity, center),
+        owners=owners(take),
         body_positions=raw.places,
         body_rotations=raw.turned,
     )
@@ -244,6 +253,7 @@ class _Raw:
     servo: Array
     outputs: Array
     resistance: Array
+    push: Array
     energy: Array
     centers: Array
     trees: Array
@@ -261,6 +271,7 @@ def _pass(
         servo=np.empty((frames, model.nv)),
         outputs=np.empty((frames, len(data.actuator_force))),
         resistance=np.empty((frames, model.nv)),
+        push=np.zeros((frames, model.nv)),
         energy=np.empty((frames, 2)),
         centers=np.empty((frames, bodies, 3)),
         trees=np.empty((frames, len(roots), 3, 3)),
@@ -284,22 +295,38 @@ def _pass(
     mass = model.body_subtreemass[roots][:, None]
     times, forward, subtree = data, mujoco.mj_forward, mujoco.mj_subtreeVel
     has_ctrl, has_applied = model.nu > 0, len(take.qfrc_applied) > 0
+    outside, pushes = pushing(take), data.xfrc_applied
     for f, t in enumerate(steps):
         qpos[:], qvel[:] = take.qpos[t], take.qvel[t]
         if has_ctrl:
             ctrl[:] = take.ctrl[t]
         if has_applied:
             applied[:] = take.qfrc_applied[t]
+        if outside is not None:
+            pushes[:] = outside[t]
         times.time = take.times[t]
         forward(model, data)
         subtree(model, data)
         for kept, live in moved:
             kept[f] = live
         raw.resistance[f] = data.qfrc_passive + data.qfrc_constraint
+        if outside is not None and pushes.any():
+            # What is left of all forces but the constraints' when the known ones are taken off.
+            known = data.qfrc_passive - data.qfrc_bias + data.qfrc_actuator + applied
+            raw.push[f] = data.qfrc_smooth - known
         trees = raw.trees[f]
         trees[:, 0], trees[:, 1], trees[:, 2] = com[roots], linear[roots] * mass, angular[roots]
         raw.contacts.record(f, data)
     return raw
+
+
+def pushing(take: Take) -> Array | None:
+    """Force, then torque, on every body's center of mass [N, N m], world, (frames, bodies, 6).
+
+    None where nothing pushed.
+    """
+    outside = getattr(take, "xfrc_applied", None)
+    return None if outside is None or not np.any(outside) else np.asarray(outside)
 
 
 def _over_the_step(take: Take, model: Any, steps: Integers, raw: _Raw) -> tuple[Array, Array]:

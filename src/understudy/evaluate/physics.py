@@ -56,14 +56,15 @@ def flights(measured: Measured, character: int = 0) -> tuple[tuple[int, int], ..
 def energy_balance(take: Take, first: int, last: int) -> EnergyBalance:
     """Energy book-keeping of the whole scene from step `first` to step `last` of a take.
 
-    Work is that of servos, applied forces, joint friction, limits and contacts: the force that
-    acted over a step times the mean of the velocities before and after. What is left is the
+    Work is that of servos, applied forces, pushes, joint friction, limits and contacts: the force
+    that acted over a step times the mean of the velocities before and after. What is left is the
     integration error.
     """
     steps = np.arange(first, last + 1)
     m = measured_at(take, steps, take.rate)
     before, after = take.qvel[steps[:-1]], take.qvel[steps[1:]]
-    power = (m.torque[:-1] + m.resistance[:-1]) * 0.5 * (before + after)
+    force = m.torque[:-1] + m.resistance[:-1] + m.push[:-1]
+    power = force * 0.5 * (before + after)
     work = np.concatenate(([0.0], np.cumsum(power.sum(axis=1) / take.rate)))
     stored = m.kinetic + m.potential
     error = float(np.abs(stored - stored[0] - work).max())
