@@ -6,7 +6,10 @@ import json
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+from understudy.evaluate.events import ContactEvent, contact_events
+from understudy.evaluate.feet import footfalls, without_footfalls
 from understudy.evaluate.measure import Measured, measured
+from understudy.evaluate.pushes import push_events, pushed
 from understudy.evaluate.score import FAR_OFF, Score, score, versions
 from understudy.motion.figure import plain_name
 from understudy.motion.files import written
@@ -24,6 +27,8 @@ LONG_FLIGHT = 0.3
 """A held body without contact for more than this share of the time does not stand by itself."""
 HEAVY_SUPPORT = 20.0
 """A root that carries more than this of the weight [%] says that the feet cannot."""
+MOST_EVENTS = 500
+"""A certificate lists this many contact events, those of the largest impulse."""
 FULLY_PHYSICAL = "Fully physical"
 """The verdict on a body that nothing but contact holds, and that did not fall."""
 
@@ -41,16 +46,18 @@ def certificate(
         scores: One per character, to save measuring again.
         measures: What `measured(take)` gave, likewise.
     """
+    m = measured(take) if measures is None else measures
     if scores is None:
-        scores = scored(take, measures=measures)
+        scores = scored(take, measures=m)
     shared = ("duration_s", "diverged_s", "real_time_factor", "seed", "versions")
     factor = scores[0].real_time_factor
     # What differs from run to run stands apart.
     timing = {name: take.facts[name] for name in TIMES if name in take.facts}
+    events, pushes = without_footfalls(m, contact_events(m)), push_events(take)
     return {
         "kind": "understudy certificate",
         "schema": SCHEMA,
-        "statement": " ".join(statement(s) for s in scores),
+        "statement": " ".join(filter(None, (*map(statement, scores), pushed(pushes)))),
         "fully_physical": all(s.fully_physical for s in scores),
         "duration_s": take.duration,
         "step_s": 1.0 / take.rate,
@@ -60,6 +67,10 @@ def certificate(
         "seed": take.seed,
         "versions": versions(),
         "facts": {key: _plain(value) for key, value in take.facts.items() if key not in TIMES},
+        "pushes": [push.as_dict() for push in pushes],
+        "contacts": [event.as_dict() for event in foremost(events, MOST_EVENTS)],
+        "contacts_in_all": len(events),
+        "feet_on_ground": [foot.as_dict() for foot in footfalls(m)],
         "characters": [
             {
                 "statement": statement(s),
@@ -75,6 +86,14 @@ def scored(take: Take, *, measures: Measured | None = None) -> tuple[Score, ...]
     """The score of every character of a take."""
     m = measured(take) if measures is None else measures
     return tuple(score(take, character=k, measures=m) for k in range(len(m.performers)))
+
+
+def foremost(events: tuple[ContactEvent, ...], most: int) -> tuple[ContactEvent, ...]:
+    """Those of the largest impulse, at most so many, in their order."""
+    if len(events) <= most:
+        return events
+    largest = sorted(range(len(events)), key=lambda k: -events[k].impulse_ns)[:most]
+    return tuple(events[k] for k in sorted(largest))
 
 
 def write_certificate(take: Take, path: str | PathLike[str]) -> None:
