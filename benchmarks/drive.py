@@ -26,13 +26,13 @@ from understudy.character.linkage import KINDS
 from understudy.fidelity import drive_error
 from understudy.performance import Performance, driven
 from understudy.simulate import prepared, simulate
-from understudy.simulate.gears import compiled, engine_steps
+from understudy.control import Controls
+from understudy.simulate.gears import compiled
+from understudy.simulate.loop import step1, step2
 
 
 def bare_loop():
     import numba
-
-    step1, step2 = engine_steps()
 
     @numba.njit(nogil=True)
     def loop(model, data, force, forces):
@@ -73,7 +73,7 @@ def cost(performance: Performance, loop, repeats: int) -> tuple[float, float, fl
         restart()
         ctrl, applied = np.zeros((steps, model.nu)), np.zeros((steps, model.nv))
         started = time.perf_counter()
-        list(compiled(performance, model, data, [Ready()], ctrl, applied, states))
+        list(compiled(performance, model, data, [Ready()], Controls(ctrl, applied), states))
         best[1] = min(best[1], time.perf_counter() - started)
         assert np.array_equal(data.qpos, take.qpos[-1])
         started = time.perf_counter()

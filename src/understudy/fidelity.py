@@ -12,6 +12,7 @@ import numpy as np
 
 from understudy.character import Linkage
 from understudy.control import Drive, drive_laws
+from understudy.control.compiling import compiled
 from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
@@ -214,7 +215,7 @@ def _tree_forces(take: Take, character: int, steps: int) -> tuple[Array, Array]:
     if drive is None:
         raise InvalidValue("Forces on a tree's bodies need the performance, which files leave out.")
     _, parameters, memory = drive.feedback(take.scene, take.model)
-    wrenches = drive_laws.compiled(drive_laws.tree_wrenches)
+    wrenches = compiled(drive_laws.tree_wrenches)
     data = mujoco.MjData(take.model)
     out = np.empty((steps, len(drive.reference.skeleton), 10))
     for k in range(steps):

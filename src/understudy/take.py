@@ -32,6 +32,8 @@ class Take:
         ctrl: Control applied from each frame to the next, shape (frames, nu); the last row is a
             copy of the one before.
         qfrc_applied: Generalized forces applied besides the servos [N, N m], shape (frames, nv).
+        xfrc_applied: Pushes: world force [N] at every body's center of mass, then torque [N m],
+            shape (frames, nbody, 6); zeros by default.
         references: The tracked clip of each character, on its own skeleton, or None.
         captured: The clip of each character as it was read, or None.
         seed: Seed of the performance.
@@ -48,6 +50,7 @@ class Take:
     qvel: Array = field(repr=False)
     ctrl: Array = field(repr=False)
     qfrc_applied: Array = field(repr=False)
+    xfrc_applied: Array = field(default_factory=lambda: np.zeros((0, 0, 6)), repr=False)
     references: tuple[Clip | None, ...] = field(default=(), repr=False)
     captured: tuple[Clip | None, ...] = field(default=(), repr=False)
     seed: int = 0
@@ -56,7 +59,10 @@ class Take:
 
     def __post_init__(self) -> None:
         frames = len(self.times)
-        for name in ("times", "qpos", "qvel", "ctrl", "qfrc_applied"):
+        if not np.size(self.xfrc_applied):
+            still = np.broadcast_to(0.0, (frames, self.model.nbody, 6))
+            object.__setattr__(self, "xfrc_applied", still)
+        for name in ("times", "qpos", "qvel", "ctrl", "qfrc_applied", "xfrc_applied"):
             array = np.asarray(getattr(self, name), float)
             if len(array) != frames:
                 raise InvalidValue(f"{name} has {len(array)} frames; times has {frames}.")

@@ -7,6 +7,7 @@ from understudy.control.controller import (
     Compiled,
     Controller,
     Controls,
+    EngineState,
     OpenLoop,
     PythonController,
 )
@@ -18,6 +19,7 @@ __all__ = [
     "Controller",
     "Controls",
     "Drive",
+    "EngineState",
     "OpenLoop",
     "PythonController",
     "Tracking",

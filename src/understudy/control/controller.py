@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import mujoco
 
@@ -31,10 +31,45 @@ class Controls:
     Attributes:
         ctrl: Actuator controls, shape (steps, nu).
         applied: Generalized forces added to the servos', shape (steps, nv), or None for none.
+        pushes: World force [N] at the center of mass and torque [N m] on every body, shape
+            (steps, nbody, 6), or None for none.
     """
 
     ctrl: Array
     applied: Array | None = None
+    pushes: Array | None = None
+
+
+class EngineState(NamedTuple):
+    """What a law sees: views of the engine's arrays after positions and velocities are computed.
+
+    Attributes:
+        qpos: Positions, shape (nq,).
+        qvel: Velocities, shape (nv,).
+        xpos: Body positions [m], world, shape (nbody, 3).
+        xquat: Body orientations, wxyz, shape (nbody, 4).
+        xipos: Centers of mass of the bodies [m], shape (nbody, 3).
+        cvel: Body velocities as the engine has them, shape (nbody, 6): angular [rad/s], then linear
+            [m/s] of the point of the body that is at `subtree_com` of its tree's root.
+        subtree_com: Center of mass of every body and all outboard of it [m], shape (nbody, 3).
+        site_xpos: Site positions [m], shape (nsite, 3).
+        sensordata: Sensors; those of forces are one step old.
+    """
+
+    qpos: Array
+    qvel: Array
+    xpos: Array
+    xquat: Array
+    xipos: Array
+    cvel: Array
+    subtree_com: Array
+    site_xpos: Array
+    sensordata: Array
+
+    @classmethod
+    def of(cls, data: mujoco.MjData) -> EngineState:
+        """Views of the arrays of `data`."""
+        return cls(*(getattr(data, name) for name in cls._fields))
 
 
 @runtime_checkable
@@ -61,14 +96,15 @@ class OpenLoop(Controller, Protocol):
 class Compiled(Controller, Protocol):
     """Gear 2: a law in numba, called once a step between the engine's two halves.
 
-    The law is `law(time, qpos, qvel, body_pos, body_vel, ctrl, applied, parameters, memory)`: times
-    in seconds, engine arrays as they are after position and velocity computations (`body_pos` is
-    `xpos`, `body_vel` is `cvel`), `ctrl` and `applied` to be changed in place. `parameters` and
-    `memory` are float arrays of its own; memory carries state from step to step.
+    The law is a plain function `law(time, state, ctrl, applied, parameters, memory)`: the time in
+    seconds, an `EngineState`, and the step's `ctrl` and `applied` to be changed in place.
+    `parameters` and `memory` are float arrays of its own, shape (n,); memory carries state from
+    step to step. It may call other plain functions of its module: scalars, tuples and loops that
+    numba takes. `simulate` compiles it; nothing else is needed.
     """
 
     def feedback(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
-        """The compiled function, its parameters, and its memory at time zero."""
+        """The law, its parameters, and its memory at time zero."""
         ...
 
 

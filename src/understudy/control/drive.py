@@ -255,7 +255,7 @@ class Drive:
         data.qvel[part.dofs] = _speeds(linkage, rotations[0], linear, spin)
 
     def feedback(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
-        """The compiled law, its gains, bodies and targets, and its scratch memory."""
+        """The law, its gains, bodies and targets, and its scratch memory."""
         linkage = self.linkage(scene)
         law = laws.tree_law if linkage.kind == "tree" else laws.free_law
         parameters = np.concatenate(
@@ -265,7 +265,7 @@ class Drive:
                 self.targets(scene).ravel(),
             )
         )
-        return laws.compiled(law), parameters, np.zeros(10 * len(linkage))
+        return law, parameters, np.zeros(10 * len(linkage))
 
     # -- details -----------------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 """The step functions of the drive: what pushes every rigid body, from its state and its target.
 
-Plain scalar functions that read like the paper; `compiled` hands them to numba, and they run as
-they are, too. For one body with target velocities v*, w* of the next frame (Wilke & Semwal 2017,
+Plain scalar functions that read like the paper; `simulate` has them compiled, and they run as they
+are, too. For one body with target velocities v*, w* of the next frame (Wilke & Semwal 2017,
 equations 1 and 2, and the analogous torque):
 
     F = K_f m (v* - v) + K_p m (x* - x) + m g
@@ -15,9 +15,7 @@ stretch per step and body.
 
 from __future__ import annotations
 
-import functools
 import math
-from typing import Any
 
 # Header: bodies, rows, rows per second, K_f, K_p, upward acceleration.
 HEADER = 6
@@ -104,8 +102,9 @@ def row_at(parameters, time):  # type: ignore[no-untyped-def]
     return min(int(time * parameters[2] + 0.5), int(parameters[1]) - 1)
 
 
-def free_law(time, qpos, qvel, body_pos, body_vel, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
+def free_law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
     """Bodies with free joints: coordinates are those of the center of mass, forces too."""
+    qpos, qvel = state.qpos, state.qvel
     n = int(parameters[0])
     row = row_at(parameters, time)
     for j in range(n):
@@ -186,10 +185,11 @@ def tree_wrenches(time, qpos, body_pos, body_vel, parameters, memory):  # type: 
         memory[at + 7], memory[at + 8], memory[at + 9] = tx, ty, tz
 
 
-def tree_law(time, qpos, qvel, body_pos, body_vel, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
+def tree_law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
     """A tree of ball joints: a joint carries the wrenches of all bodies beyond it."""
     n = int(parameters[0])
-    tree_wrenches(time, qpos, body_pos, body_vel, parameters, memory)
+    body_pos = state.xpos
+    tree_wrenches(time, state.qpos, body_pos, state.cvel, parameters, memory)
     for j in range(n):  # torques about the world's origin, so that they add up
         at, i = 10 * j, int(parameters[HEADER + BODY * j + 3])
         fx, fy, fz = memory[at + 4], memory[at + 5], memory[at + 6]
@@ -219,15 +219,3 @@ def tree_law(time, qpos, qvel, body_pos, body_vel, ctrl, applied, parameters, me
         applied[v] += tx
         applied[v + 1] += ty
         applied[v + 2] += tz
-
-
-@functools.cache
-def compiled(law: Any) -> Any:
-    """A function of this module compiled by numba; it holds no lock."""
-    import numba
-    from numba.extending import register_jitable
-
-    for helper in (turned, product, rotation_vector, wrench, row_at, tree_wrenches):
-        if helper is not law:
-            register_jitable(helper)
-    return numba.njit(nogil=True)(law)

@@ -166,6 +166,10 @@ def _read(file: zipfile.ZipFile) -> Take:
             raise UnderstudyError(f"{name} has shape {shape}; the scene needs (frames, {width}).")
         if not np.isfinite(getattr(take, name)).all():
             raise UnderstudyError(f"{name} has values that are not finite.")
+    if take.xfrc_applied.shape != (take.frames, model.nbody, 6):
+        raise UnderstudyError(f"xfrc_applied has shape {take.xfrc_applied.shape}.")
+    if not np.isfinite(take.xfrc_applied).all():
+        raise UnderstudyError("xfrc_applied has values that are not finite.")
     if take.frames < 1 or len(take.references) != len(scene.characters):
         raise UnderstudyError("has no frames, or not one reference for each character.")
     if not np.isfinite(take.times).all() or np.any(np.diff(take.times) <= 0.0):

@@ -31,7 +31,7 @@ from understudy.errors import ControllerFailed, Diverged, InvalidValue
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
 from understudy.performance import Performance, tracked
-from understudy.simulate.gears import STATE, Raised, compiled, rollout, stepped
+from understudy.simulate.gears import STATE, Raised, compiled, inputs, rollout, stepped
 from understudy.take import Take
 
 _BAD = (
@@ -62,14 +62,18 @@ def open_loop_controls(performance: Performance, model: mujoco.MjModel) -> Contr
     """The sum of what the open-loop controllers ask for, one row per step."""
     steps = performance.steps
     times = np.arange(steps, dtype=np.float64) * performance.scene.timestep
-    ctrl, applied = np.zeros((steps, model.nu)), None
+    ctrl, applied, pushes = np.zeros((steps, model.nu)), None, None
     for controller in performance.controllers:
         if isinstance(controller, OpenLoop):
             block = controller.controls(performance.scene, model, times)
             ctrl += block.ctrl
-            if block.applied is not None:
-                applied = block.applied if applied is None else applied + block.applied
-    return Controls(ctrl, applied)
+            applied = _added(applied, block.applied)
+            pushes = _added(pushes, block.pushes)
+    return Controls(ctrl, applied, pushes)
+
+
+def _added(total: Array | None, block: Array | None) -> Array | None:
+    return block if total is None else total if block is None else total + block
 
 
 def simulate(performance: Performance, *, progress: bool = False) -> Take:
@@ -98,15 +102,17 @@ def simulate(performance: Performance, *, progress: bool = False) -> Take:
     block = open_loop_controls(performance, model)
     states = np.empty((performance.steps + 1, mujoco.mj_stateSize(model, STATE)))
     mujoco.mj_getState(model, data, states[0], STATE)
-    ctrl, applied = block.ctrl, block.applied
-    if feedback and applied is None:
-        applied = np.zeros((performance.steps, model.nv))
+    if feedback:  # laws may add forces, and change the block where they do
+        applied = (
+            np.zeros((performance.steps, model.nv)) if block.applied is None else block.applied
+        )
+        block = Controls(block.ctrl, np.array(applied), block.pushes)
     if not feedback:
-        run = rollout(model, data, ctrl, applied, states)
+        run = rollout(model, data, block, states)
     elif all(isinstance(controller, Compiled) for controller in feedback):
-        run = compiled(performance, model, data, feedback, ctrl, applied, states)
+        run = compiled(performance, model, data, feedback, block, states)
     else:
-        run = stepped(performance, model, data, feedback, ctrl, applied, states)
+        run = stepped(performance, model, data, feedback, block, states)
     done, bad = 0, False
     with (
         quiet_engine(),
@@ -127,10 +133,10 @@ def simulate(performance: Performance, *, progress: bool = False) -> Take:
                     break
         except Raised as raised:
             step, error = raised.step, raised.__cause__
-            take = _take(performance, model, states[: step + 1], ctrl, applied)
+            take = _take(performance, model, states[: step + 1], block)
             raise ControllerFailed(step * performance.scene.timestep, error, take) from error
     good = _good(states, done) if bad else performance.steps + 1
-    take = _take(performance, model, states[:good], ctrl, applied)
+    take = _take(performance, model, states[:good], block)
     take.facts["cpu_seconds"] = clock.process_time() - started
     if bad:
         raise _diverged(model, take)
@@ -188,14 +194,7 @@ def simulate_many(
     states = np.empty((len(models), steps + 1, nstate))
     for (model, data), row in zip(ready, states, strict=True):
         mujoco.mj_getState(model, data, row[0], STATE)
-    forced = any(block.applied is not None for block in blocks)
-    spec = int(mujoco.mjtState.mjSTATE_CTRL)
-    controls = np.stack([block.ctrl for block in blocks])
-    if forced:
-        spec |= int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
-        zeros = np.zeros((steps, models[0].nv))
-        forces = np.stack([zeros if b.applied is None else b.applied for b in blocks])
-        controls = np.concatenate((controls, forces), axis=2)
+    spec, controls = _batched(blocks, models[0])
     pool = [
         mujoco.MjData(models[0]) for _ in range(min(threads or os.cpu_count() or 1, len(models)))
     ]
@@ -215,13 +214,31 @@ def simulate_many(
     out: list[Take | Diverged] = []
     for performance, model, block, row in zip(performances, models, blocks, states, strict=True):
         good = _good(row, steps) if _went_bad(row) else steps + 1
-        take = _take(performance, model, row[:good], block.ctrl, block.applied)
+        take = _take(performance, model, row[:good], block)
         take.facts["cpu_seconds"] = (clock.process_time() - started) / len(performances)
         if good <= steps:
             out.append(_diverged(model, take))
         else:
             out.append(take)
     return out
+
+
+def _batched(blocks: Sequence[Controls], model: mujoco.MjModel) -> tuple[int, Array]:
+    """Inputs of all runs of a batch: what one run has, all have, if only zeros."""
+    steps = len(blocks[0].ctrl)
+    applied = any(block.applied is not None for block in blocks)
+    pushed = any(block.pushes is not None for block in blocks)
+    forces, pushes = np.zeros((steps, model.nv)), np.zeros((steps, model.nbody, 6))
+    filled = [
+        Controls(
+            block.ctrl,
+            (forces if block.applied is None else block.applied) if applied else None,
+            (pushes if block.pushes is None else block.pushes) if pushed else None,
+        )
+        for block in blocks
+    ]
+    given = [inputs(block) for block in filled]
+    return given[0][0], np.stack([controls for _, controls in given])
 
 
 def _in_threads(performances: Sequence[Performance], threads: int) -> list[Take | Diverged]:
@@ -290,19 +307,13 @@ def _worst(model: mujoco.MjModel, qvel: Array) -> str:
     return mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, int(body)) or f"body {body}"
 
 
-def _take(
-    performance: Performance,
-    model: mujoco.MjModel,
-    states: Array,
-    ctrl: Array,
-    applied: Array | None,
-) -> Take:
+def _take(performance: Performance, model: mujoco.MjModel, states: Array, block: Controls) -> Take:
     frames, nq, nv = len(states), model.nq, model.nv
 
-    def held(array: Array) -> Array:
+    def held(array: Array | None, *shape: int) -> Array:
         """One row per frame: the last control stands for the last frame too."""
-        if not len(array):
-            return np.zeros((frames, array.shape[1]))
+        if array is None or not len(array):
+            return np.broadcast_to(0.0, (frames, *shape))
         return array[np.minimum(np.arange(frames), len(array) - 1)]
 
     references: list[Any] = [None] * len(performance.scene.characters)
@@ -324,8 +335,9 @@ def _take(
         times=np.arange(frames, dtype=np.float64) * performance.scene.timestep,
         qpos=states[:, 1 : 1 + nq],
         qvel=states[:, 1 + nq : 1 + nq + nv],
-        ctrl=held(ctrl),
-        qfrc_applied=np.broadcast_to(0.0, (frames, nv)) if applied is None else held(applied),
+        ctrl=held(block.ctrl, model.nu),
+        qfrc_applied=held(block.applied, nv),
+        xfrc_applied=held(block.pushes, model.nbody, 6),
         references=tuple(references),
         captured=tuple(captured),
         seed=performance.seed,

@@ -6,39 +6,42 @@ row is filled; it fills the rest and, where there is feedback, the controls that
 
 from __future__ import annotations
 
-import ctypes
-import functools
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import mujoco
 import mujoco.rollout
 import numpy as np
 
-from understudy.control import Compiled, PythonController
+from understudy.control import Compiled, Controls, EngineState, PythonController
+from understudy.errors import InvalidValue
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
 
-CHUNK = 512  # Steps per engine call: long enough to cost nothing, short enough to show progress.
+# Steps per engine call: long enough to cost nothing, short enough to show progress.
+CHUNK, COMPILED_CHUNK = 512, 4096
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
+def inputs(block: Controls) -> tuple[int, Array]:
+    """What a rollout is given: which of the engine's inputs, and their values by step."""
+    spec, columns = int(mujoco.mjtState.mjSTATE_CTRL), [block.ctrl]
+    if block.applied is not None:
+        spec |= int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+        columns.append(block.applied)
+    if block.pushes is not None:
+        spec |= int(mujoco.mjtState.mjSTATE_XFRC_APPLIED)
+        columns.append(block.pushes.reshape(len(block.ctrl), -1))
+    return spec, columns[0] if len(columns) == 1 else np.concatenate(columns, axis=1)
+
+
 def rollout(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    ctrl: Array,
-    applied: Array | None,
-    states: Array,
+    model: mujoco.MjModel, data: mujoco.MjData, block: Controls, states: Array
 ) -> Iterator[int]:
     """Gear 1: yield the number of steps done after each chunk."""
-    spec = int(mujoco.mjtState.mjSTATE_CTRL)
-    controls = ctrl
-    if applied is not None:
-        spec |= int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
-        controls = np.concatenate((ctrl, applied), axis=1)
+    spec, controls = inputs(block)
     warmstart = data.qacc_warmstart.copy()[None]
-    steps = len(ctrl)
+    steps = len(controls)
     for first in range(0, steps, CHUNK):
         last = min(first + CHUNK, steps)
         mujoco.rollout.rollout(
@@ -60,11 +63,11 @@ def stepped(
     model: mujoco.MjModel,
     data: mujoco.MjData,
     feedback: list[Any],
-    ctrl: Array,
-    applied: Array | None,
+    block: Controls,
     states: Array,
 ) -> Iterator[int]:
     """Gear 3: Python functions once per period; compiled laws run uncompiled beside them."""
+    ctrl, applied, pushes = block.ctrl, block.applied, block.pushes
     assert applied is not None
     dt = performance.scene.timestep
     functions: list[tuple[Callable[[float, mujoco.MjData], None], int]] = []
@@ -72,7 +75,7 @@ def stepped(
         if isinstance(controller, PythonController):
             functions.append((controller.function, max(1, round(controller.period / dt))))
         else:
-            functions.append((_as_function(controller, performance, model), 1))
+            functions.append((_as_function(controller, performance, model, data), 1))
     # What each function set when last asked: which entries, and to what.
     held: list[tuple[Any, Any, Any, Any]] = [(False, 0.0, False, 0.0)] * len(functions)
     for step in range(len(ctrl)):
@@ -94,6 +97,8 @@ def stepped(
             ctrl[step] = np.where(set_ctrl, to_ctrl, ctrl[step])
             applied[step] = np.where(set_applied, to_applied, applied[step])
         data.ctrl[:], data.qfrc_applied[:] = ctrl[step], applied[step]
+        if pushes is not None:
+            data.xfrc_applied[:] = pushes[step]
         mujoco.mj_step2(model, data)
         mujoco.mj_getState(model, data, states[step + 1], STATE)
         if (step + 1) % CHUNK == 0 or step + 1 == len(ctrl):
@@ -108,85 +113,16 @@ class Raised(Exception):
 
 
 def _as_function(
-    controller: Compiled, performance: Performance, model: mujoco.MjModel
+    controller: Compiled, performance: Performance, model: mujoco.MjModel, data: mujoco.MjData
 ) -> Callable[[float, mujoco.MjData], None]:
     law, parameters, memory = controller.feedback(performance.scene, model)
     law = getattr(law, "py_func", law)
+    state, memory = EngineState.of(data), np.array(memory, float)
 
     def function(time: float, data: mujoco.MjData) -> None:
-        law(
-            time,
-            data.qpos,
-            data.qvel,
-            data.xpos,
-            data.cvel,
-            data.ctrl,
-            data.qfrc_applied,
-            parameters,
-            memory,
-        )
+        law(time, state, data.ctrl, data.qfrc_applied, parameters, memory)
 
     return function
-
-
-@functools.cache
-def engine_steps() -> tuple[Any, Any]:
-    """The engine's `mj_step1` and `mj_step2` as C functions of two addresses."""
-    folder = Path(mujoco.__path__[0])
-    patterns = ("libmujoco*.so*", "libmujoco*.dylib", "mujoco.dll")
-    path = next(path for pattern in patterns for path in sorted(folder.glob(pattern)))
-    library = ctypes.CDLL(str(path))
-    for function in (library.mj_step1, library.mj_step2):
-        function.argtypes, function.restype = [ctypes.c_void_p, ctypes.c_void_p], None
-    return library.mj_step1, library.mj_step2
-
-
-@functools.cache
-def _compiled_loop(law: Any) -> Any:
-    """One numba loop around a law and the engine; it holds no lock, so threads run in parallel."""
-    import numba
-
-    step1, step2 = engine_steps()
-
-    @numba.njit(nogil=True)
-    def loop(model, data, first, last, dt, arrays, parameters, memory, ctrl, applied, out):  # type: ignore[no-untyped-def]
-        qpos, qvel, xpos, cvel, act, control, force = arrays
-        nq, nv, na = qpos.size, qvel.size, act.size
-        for step in range(first, last):
-            step1(model, data)
-            law(step * dt, qpos, qvel, xpos, cvel, ctrl[step], applied[step], parameters, memory)
-            control[:] = ctrl[step]
-            force[:] = applied[step]
-            step2(model, data)
-            out[step + 1, 0] = (step + 1) * dt
-            out[step + 1, 1 : 1 + nq] = qpos
-            out[step + 1, 1 + nq : 1 + nq + nv] = qvel
-            out[step + 1, 1 + nq + nv : 1 + nq + nv + na] = act
-
-    return loop
-
-
-@functools.cache
-def _in_sequence(laws: tuple[Any, ...]) -> Any:
-    """Several laws as one, each with its own stretch of parameters and memory."""
-    import numba
-
-    first, rest = laws[0], laws[1:]
-    if not rest:
-
-        @numba.njit
-        def last_law(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
-            first(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters[0], memory[0])
-
-        return last_law
-    following = _in_sequence(rest)
-
-    @numba.njit
-    def law(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
-        first(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters[0], memory[0])
-        following(time, qpos, qvel, xpos, cvel, ctrl, applied, parameters[1:], memory[1:])
-
-    return law
 
 
 def compiled(
@@ -194,37 +130,46 @@ def compiled(
     model: mujoco.MjModel,
     data: mujoco.MjData,
     feedback: list[Any],
-    ctrl: Array,
-    applied: Array | None,
+    block: Controls,
     states: Array,
 ) -> Iterator[int]:
-    """Gear 2: laws and engine in one compiled loop."""
-    parts = [controller.feedback(performance.scene, model) for controller in feedback]
-    loop = _compiled_loop(_in_sequence(tuple(law for law, _, _ in parts)))
-    parameters = tuple(np.ascontiguousarray(p, float) for _, p, _ in parts)
-    memory = tuple(np.array(m, float) for _, _, m in parts)
-    arrays = (
-        data.qpos,
-        data.qvel,
-        data.xpos,
-        data.cvel,
-        data.act,
-        data.ctrl,
-        data.qfrc_applied,
-    )
-    address = (model._address, data._address)
-    for first in range(0, len(ctrl), CHUNK):
-        last = min(first + CHUNK, len(ctrl))
-        loop(
-            *address,
-            first,
-            last,
-            performance.scene.timestep,
-            arrays,
-            parameters,
-            memory,
-            ctrl,
-            applied,
-            states,
+    """Gear 2: laws and engine in one compiled loop; it holds no lock, so threads run in parallel.
+
+    Raises:
+        InvalidValue: More laws than the loop has places for.
+    """
+    from understudy.control.compiling import compiled, law_signature
+    from understudy.simulate import loop
+
+    if len(feedback) > loop.MOST_LAWS:
+        raise InvalidValue(
+            f"{len(feedback)} compiled laws in one performance; there is room for {loop.MOST_LAWS}."
         )
+    parts = [controller.feedback(performance.scene, model) for controller in feedback]
+    signature = law_signature()
+    laws = [compiled(law, signature) for law, _, _ in parts]
+    run = loop.one if len(laws) == 1 else loop.several
+    if len(laws) > 1:
+        laws += [compiled(loop.idle, signature)] * (loop.MOST_LAWS - len(laws))
+    parameters_at, parameters = _joined([p for _, p, _ in parts])
+    memory_at, memory = _joined([m for _, _, m in parts])
+    assert block.applied is not None
+    steps = len(block.ctrl)
+    pushes = np.zeros((steps, 0)) if block.pushes is None else block.pushes.reshape(steps, -1)
+    for first in range(0, steps, COMPILED_CHUNK):
+        last = min(first + COMPILED_CHUNK, steps)
+        rest = (
+            *(model._address, data._address, first, last, performance.scene.timestep),
+            *(parameters_at, parameters, memory_at, memory),
+            *(EngineState.of(data), data.act, data.ctrl, data.qfrc_applied, data.xfrc_applied),
+            *(block.ctrl, block.applied, pushes, states),
+        )
+        run(*laws, rest)
         yield last
+
+
+def _joined(rows: list[Array]) -> tuple[Array, Array]:
+    """Rows of numbers as one, and where each begins and the last ends."""
+    flat = [np.ascontiguousarray(row, float).ravel() for row in rows]
+    at = np.cumsum([0, *(len(row) for row in flat)], dtype=np.int64)
+    return at, np.concatenate(flat)
