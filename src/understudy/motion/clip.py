@@ -9,14 +9,18 @@ import os
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from numbers import Real
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
 from understudy.motion.skeleton import Skeleton, frozen_array
+
+if TYPE_CHECKING:
+    from understudy.motion.reaching import HandTarget
 
 # Frames per second that a motion can have [Hz]: BVH files state up to 100 s a frame, and nothing
 # that moves is recorded faster than this.
@@ -208,7 +212,7 @@ class Clip:
         """The same clip under another name."""
         return replace(self, name=name)
 
-    # -- edits (each in motion/edits.py, motion/repair.py or motion/ground.py) ----------------
+    # -- edits (each in a module of this folder) ----------------------------------------------
 
     def trimmed(self, start: float = 0.0, end: float | None = None) -> Clip:
         """The part between two times [s]; see `understudy.motion.edits.trimmed`."""
@@ -227,6 +231,30 @@ class Clip:
         from understudy.motion import edits
 
         return edits.retimed(self, speed)
+
+    def placed(self, *, at: ArrayLike | None = None, heading: float = 0.0) -> Clip:
+        """Moved over the ground to `at` [m] and turned [rad]; see `motion.edits.placed`."""
+        from understudy.motion import edits
+
+        return edits.placed(self, at=at, heading=heading)
+
+    def spliced(self, other: Clip, *, at: float, blend: float = 0.5, start: float = 0.0) -> Clip:
+        """This clip going over into another at a time [s]; see `motion.segments.spliced`."""
+        from understudy.motion import segments
+
+        return segments.spliced(self, other, at=at, blend=blend, start=start)
+
+    def looped(self, count: int | None = None, *, until: float | None = None) -> Clip:
+        """Played several times, or until a time [s]; see `motion.segments.looped`."""
+        from understudy.motion import segments
+
+        return segments.looped(self, count, until=until)
+
+    def reaching(self, *targets: HandTarget) -> Clip:
+        """Hands placed at positions at given times; see `motion.reaching.reaching`."""
+        from understudy.motion import reaching
+
+        return reaching.reaching(self, targets)
 
     def mirrored(self) -> Clip:
         """Left and right exchanged; see `understudy.motion.edits.mirrored`."""

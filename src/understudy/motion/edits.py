@@ -1,4 +1,4 @@
-"""Edits of a clip: trimmed, resampled, retimed, mirrored; and its velocities.
+"""Edits of a clip: trimmed, resampled, retimed, placed, mirrored; and its velocities.
 
 Every edit takes a clip and returns a new one with a note of what was done; the file conventions are
 kept. The root path and the joint rotations are always treated alike.
@@ -15,11 +15,12 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
-from understudy.errors import InvalidValue
+from understudy.errors import InvalidValue, shown
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip, check_rate
 from understudy.motion.mirror import mirrored as mirrored
 from understudy.motion.rotations import Array
+from understudy.motion.skeleton import frozen_array
 
 Method = Literal["slerp", "spline"]
 SPEEDS = (1e-3, 1e3)
@@ -122,6 +123,30 @@ def retimed(clip: Clip, speed: float) -> Clip:
     frames = _frames(clip, clip.duration / speed * clip.rate, f"At speed {speed:g}")
     turned, path = sampled(clip, np.arange(frames) * speed / clip.rate)
     note = f"Retimed: plays {speed:g} times as fast."
+    return replace(clip, rotations=turned, root_positions=path, notes=(*clip.notes, note))
+
+
+def placed(clip: Clip, *, at: ArrayLike | None = None, heading: float = 0.0) -> Clip:
+    """The whole motion moved rigidly over the ground: turned, and set down somewhere else.
+
+    It is turned by `heading` [rad], counterclockwise seen from above, about the vertical through
+    its first root position; that root position then lies over `at` [m], (2,), by default where it
+    was. Heights stay. Placing it back where it was with `-heading` gives the clip back.
+
+    Raises:
+        InvalidValue: `at` is not two finite numbers, or `heading` is not a finite one.
+    """
+    first = clip.root_positions[0, :2]
+    to = frozen_array(first if at is None else at, (2,), "at")
+    if not (isinstance(heading, Real) and np.isfinite(heading)):
+        raise InvalidValue(f"heading is {shown(heading)}; it must be an angle in radians.")
+    turn = rot.from_rotvec(np.array([0.0, 0.0, float(heading)]))
+    turned, path = np.array(clip.rotations), np.array(clip.root_positions)
+    path[:, :2] -= first
+    path = rot.rotate(turn, path)
+    path[:, :2] += to
+    turned[:, 0] = rot.multiply(turn, turned[:, 0])
+    note = f"Placed at ({to[0]:.3f}, {to[1]:.3f}) m, turned by {np.degrees(heading):.1f} degrees."
     return replace(clip, rotations=turned, root_positions=path, notes=(*clip.notes, note))
 
 
