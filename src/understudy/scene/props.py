@@ -21,7 +21,7 @@ WOOD: Color = (0.62, 0.46, 0.31, 1.0)
 DARK_WOOD: Color = (0.40, 0.29, 0.21, 1.0)
 SEEN, HIDDEN = 1, 3  # groups of what is drawn but touches nothing, and of what is not drawn
 # A surface presses back over this time [s]; hands and drums need it short.
-STIFFNESS_TIME = 0.005
+STIFFNESS_TIME = 0.002
 FRICTION = 0.8
 # A prop's touch sensor reaches this far over its surface [m].
 REACH = 0.01
