@@ -23,10 +23,10 @@ import numpy as np
 
 import understudy as us
 from understudy.character.linkage import KINDS
+from understudy.control import Controls
 from understudy.fidelity import drive_error
 from understudy.performance import Performance, driven
 from understudy.simulate import prepared, simulate
-from understudy.control import Controls
 from understudy.simulate.gears import compiled
 from understudy.simulate.loop import step1, step2
 

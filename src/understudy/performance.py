@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields, replace
 from numbers import Real
 
 import numpy as np
@@ -13,10 +13,11 @@ from understudy.character import Character, Linkage, retargeted
 from understudy.character.body import SelfCollision
 from understudy.character.build import size_doubts
 from understudy.character.soles import planted, standing
-from understudy.control import Controller, Drive, Tracking
+from understudy.control import Controller, Disturbance, Drive, Task, Tracking
+from understudy.control.task import check_overlaps
 from understudy.errors import InvalidValue, UnknownName, expect
 from understudy.motion.clip import Clip
-from understudy.scene import Ground, Scene, timestep_for
+from understudy.scene import Contacts, Ground, Prop, Scene, timestep_for
 
 # Wilke & Semwal 2017 drop 9.81 units per second squared on figures about 24 units tall.
 PAPER_GRAVITY = 9.81
@@ -46,6 +47,7 @@ class Performance:
         if not (isinstance(self.duration, Real) and 0 <= self.duration < np.inf):
             raise InvalidValue(f"duration is {self.duration!s:.40} s; it must be zero or positive.")
         numbers = self.steps * (self.scene.model.nq + self.scene.model.nv + self.scene.model.nu)
+        check_overlaps(self.controllers)
         if numbers > 1_000_000_000:
             raise InvalidValue(
                 f"duration is {self.duration} s: {numbers * 8 / 1e9:.0f} GB of states; "
@@ -63,21 +65,29 @@ def tracked(
     character: Character,
     *,
     pelvis: str | None = None,
+    tasks: Sequence[Task | Disturbance] = (),
+    props: Sequence[Prop] = (),
+    contacts: Contacts = (),
     ground: Ground | None = None,
     timestep: float | None = None,
     self_collision: SelfCollision = "off",
     seed: int = 0,
     **settings: object,
 ) -> Performance:
-    """The performance of a character tracking a clip.
+    """The performance of a character tracking a clip, and doing more than the clip shows.
 
     Glitches of the clip are repaired, its joint angles carried over to the character and its feet
-    set on the ground; a servo then follows it (see `Tracking`).
+    set on the ground; a servo then follows it (see `Tracking`). Tasks replace what some joints do.
 
     Args:
         clip: Any clip.
         character: Any character.
-        pelvis: "led", "assisted" or "free"; by default led for a body without legs, else assisted.
+        pelvis: "led", "assisted" or "free"; by default free for a body that balances, led for one
+            without legs, else assisted.
+        tasks: What to do besides following the clip (`Upright`, `Balance`, `Reach`, ...), and what
+            happens to the body (`Push`, `Throw`).
+        props: Things in the scene: a drum, a staff in a hand.
+        contacts: What touches besides the ground; see `Scene`.
         ground: The floor; by default level ground for a body with feet, none without.
         timestep: Physics step [s]; by default the one nearest 2 ms that divides the frame period.
         self_collision: See `Scene`.
@@ -95,19 +105,119 @@ def tracked(
     feet = any((link.role or "").endswith("_ankle") for link in character.links)
     if ground is None and feet:
         ground = Ground()
+    fitted: list[Task | Disturbance] = []
+    for task in tasks:
+        expect(task, (Task, Disturbance), "task", "a task such as Upright, or a Push or Throw")
+        made, reference = task.fitted(reference, character)
+        fitted.append(made)
     scene = Scene(
         characters=(character,),
         ground=ground,
+        props=tuple(props),
+        contacts=contacts,
         timestep=timestep_for(reference.rate) if timestep is None else timestep,
         self_collision=self_collision,
     )
+    if pelvis is None:
+        pelvis = next((t.pelvis for t in tasks if t.pelvis), "assisted" if feet else "led")
     tracking = Tracking(
         reference=reference,
         captured=clip.noted(*clean.notes[len(clip.notes) :]),
-        pelvis=pelvis or ("assisted" if feet else "led"),
+        pelvis=pelvis,
         **settings,  # type: ignore[arg-type]
     )
-    return Performance(scene=scene, controllers=(tracking,), duration=reference.duration, seed=seed)
+    return Performance(
+        scene=scene,
+        controllers=(tracking, *fitted),
+        duration=reference.duration,
+        seed=seed,
+    )
+
+
+def together(
+    *performances: Performance,
+    props: Sequence[Prop] = (),
+    contacts: Contacts = (),
+    tasks: Sequence[Task | Disturbance] = (),
+    seed: int | None = None,
+) -> Performance:
+    """Several performances as one: all characters in one scene, each with its own controllers.
+
+    The characters stand where their clips are (`Clip.placed` moves one). The scene lasts as long as
+    the longest performance; who has finished holds the last pose. Names in the scene: the first
+    character's as they are, the second's with "b/" before them, the third's with "c/".
+
+    Args:
+        performances: Two or more, made alone, with the same time step, gravity and ground.
+        props: Things in the scene besides those the performances bring.
+        contacts: What touches besides the ground and the performances' own; see `Scene`. Such as
+            (("right_hand", "b/left_hand"),).
+        tasks: Tasks and disturbances besides the performances' own; `character` counts all of them.
+        seed: Seed of the whole; by default the first one's.
+
+    Raises:
+        InvalidValue: Performances that do not fit together; says which value differs.
+    """
+    if len(performances) < 2:
+        raise InvalidValue(f"together was given {len(performances)} performances; it needs two.")
+    for one in performances:
+        expect(one, Performance, "performance", "a Performance, as `tracked` gives")
+    scenes = [one.scene for one in performances]
+    for name in ("timestep", "gravity", "ground", "self_collision", "integrator"):
+        values = [getattr(scene, name) for scene in scenes]
+        if any(value != values[0] for value in values):
+            other = next(value for value in values if value != values[0])
+            raise InvalidValue(
+                f"The performances differ in {name}: {values[0]} and {other}. Make them alike, "
+                "for instance with clip.resampled, or timestep= when they are made."
+            )
+    controllers: list[Controller] = []
+    every: list[Prop] = []
+    touching: list[tuple[str, str]] = []
+    first = 0
+    for one in performances:
+        for controller in one.controllers:
+            who = getattr(controller, "character", None)
+            moved = who is not None and first > 0
+            controllers.append(replace(controller, character=who + first) if moved else controller)
+        shifted = _renamed(one.scene, first)
+        every += shifted[0]
+        touching += shifted[1]
+        first += len(one.scene.characters)
+    all_touch = contacts == "all" or any(scene.contacts == "all" for scene in scenes)
+    return Performance(
+        scene=replace(
+            scenes[0],
+            characters=tuple(body for scene in scenes for body in scene.characters),
+            props=(*every, *props),
+            contacts="all" if all_touch else (*touching, *(() if contacts == "all" else contacts)),
+        ),
+        controllers=(*controllers, *tasks),  # type: ignore[arg-type]
+        duration=max(one.duration for one in performances),
+        seed=performances[0].seed if seed is None else seed,
+    )
+
+
+def _renamed(scene: Scene, first: int) -> tuple[list[Prop], list[tuple[str, str]]]:
+    """Props and contacts of a scene whose characters become number `first` and following."""
+    if first == 0:
+        return list(scene.props), [] if scene.contacts == "all" else list(scene.contacts)
+    names = {prop.name for prop in scene.props}
+    links = {link.name for link in scene.characters[0].links}
+
+    def moved(name: str) -> str:
+        if name in names:
+            return name
+        old, _, own = name.rpartition("/")
+        number = first + (ord(old) - ord("a") if old else 0)
+        return f"{chr(ord('a') + number)}/{own}" if old or own in links else name
+
+    props = []
+    for prop in scene.props:
+        holder = getattr(prop, "held_by", None)
+        props.append(replace(prop, held_by=moved(holder)) if holder else prop)  # type: ignore[type-var]
+    pairs = [] if scene.contacts == "all" else [(moved(a), moved(b)) for a, b in scene.contacts]
+    return props, pairs
 
 
 def driven(

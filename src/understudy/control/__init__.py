@@ -1,4 +1,4 @@
-"""What drives the joints: the controller protocols, clip tracking, the rigid-body drive.
+"""What drives the joints: controller protocols, clip tracking, tasks, the rigid-body drive.
 
 In: a `Scene` and a reference `Clip`. Out: controls for `simulate`; nothing here steps the engine.
 """
@@ -11,16 +11,24 @@ from understudy.control.controller import (
     OpenLoop,
     PythonController,
 )
+from understudy.control.disturbance import Disturbance, Push, Throw
 from understudy.control.drive import Drive
+from understudy.control.task import Task
 from understudy.control.tracking import Tracking
+from understudy.control.upright import Upright
 
 __all__ = [
     "Compiled",
     "Controller",
     "Controls",
+    "Disturbance",
     "Drive",
     "EngineState",
     "OpenLoop",
+    "Push",
     "PythonController",
+    "Task",
+    "Throw",
     "Tracking",
+    "Upright",
 ]

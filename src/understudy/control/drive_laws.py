@@ -15,7 +15,7 @@ stretch per step and body.
 
 from __future__ import annotations
 
-import math
+from understudy.control.quaternion import product, rotation_vector, turned
 
 # Header: bodies, rows, rows per second, K_f, K_p, upward acceleration.
 HEADER = 6
@@ -24,35 +24,6 @@ HEADER = 6
 BODY = 16
 # A step of a body: v* (3), w* (3), x* (3), q* (4), strength.
 ROW = 14
-
-
-def turned(w, x, y, z, a, b, c):  # type: ignore[no-untyped-def]
-    """The vector (a, b, c) turned by the quaternion (w, x, y, z)."""
-    i, j, k = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    return a + w * i + y * k - z * j, b + w * j + z * i - x * k, c + w * k + x * j - y * i
-
-
-def product(aw, ax, ay, az, bw, bx, by, bz):  # type: ignore[no-untyped-def]
-    """The quaternion a b."""
-    return (
-        aw * bw - ax * bx - ay * by - az * bz,
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-    )
-
-
-def rotation_vector(w, x, y, z):  # type: ignore[no-untyped-def]
-    """The rotation vector of a unit quaternion, the short way."""
-    sign = -1.0 if w < 0.0 else 1.0
-    square = x * x + y * y + z * z
-    if square < 0.01:  # up to 11 degrees the series of asin(s) / s is right to ten digits
-        series = 1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * (15.0 / 336.0)))
-        scale = 2.0 * sign * (series + square**4 * (105.0 / 3456.0))
-    else:
-        length = math.sqrt(square)
-        scale = 2.0 * sign * math.atan2(length, abs(w)) / length
-    return scale * x, scale * y, scale * z
 
 
 def wrench(parameters, b, r, place, turn, velocity, spin):  # type: ignore[no-untyped-def]

@@ -22,7 +22,7 @@ from understudy.control.reference import sampled
 from understudy.motion.clip import Clip
 from understudy.motion.edits import derivative
 from understudy.motion.rotations import Array
-from understudy.scene import Part, Scene
+from understudy.scene import Ground, Part, Scene
 
 # A sole point this high [m] or higher bears nothing. Farther, and legs push before they land.
 NEAR_GROUND = 0.008
@@ -132,6 +132,8 @@ def required(
     edges = np.array(
         [[friction, 0, 1], [-friction, 0, 1], [0, friction, 1], [0, -friction, 1]], float
     )
+    # On the plane z = 0 every point pushes alike.
+    uneven = None if scene.ground is None or scene.ground.level else scene.ground
     frames, dofs = len(positions), velocities.shape[1]
     force, borne = np.empty((frames, dofs)), np.zeros(frames)
     jacobian = np.empty((3, model.nv))
@@ -144,15 +146,19 @@ def required(
             continue
         frame = data.xmat[bodies].reshape(-1, 3, 3)
         soles = data.xpos[bodies] + (frame @ local[..., None])[..., 0] - below
-        near = np.flatnonzero(soles[:, 2] < NEAR_GROUND)
+        heights, pushes = soles[:, 2], edges
+        if uneven is not None:
+            heights, pushes = soles[:, 2] - uneven.height(soles), _leaning(edges, uneven, soles)
+        near = np.flatnonzero(heights < NEAR_GROUND)
         if not len(near):
             continue
         columns = np.empty((4 * len(near), dofs))
         for row, point in enumerate(near):
             mujoco.mj_jac(quiet, data, jacobian, None, soles[point], bodies[point])
             # A point half way up may bear all of it, one at the limit almost nothing.
-            weight = min(1.0, max(0.05, 2.0 - 2.0 * soles[point, 2] / NEAR_GROUND))
-            np.dot(weight * edges, jacobian[:, part.dofs], out=columns[4 * row : 4 * row + 4])
+            weight = min(1.0, max(0.05, 2.0 - 2.0 * heights[point] / NEAR_GROUND))
+            edge = pushes if pushes.ndim == 2 else pushes[point]
+            np.dot(weight * edge, jacobian[:, part.dofs], out=columns[4 * row : 4 * row + 4])
         # A little ridge: of the many ways to share a load the most even one.
         system = np.zeros((6 + len(columns), len(columns)))
         system[:6] = columns[:, :6].T
@@ -166,6 +172,15 @@ def required(
         width = min(7, frames - (frames + 1) % 2)
         force = np.asarray(savgol_filter(force, width, 1, axis=0), float)
     return Required(force[:, 6:].reshape(frames, -1, 3), force[:, :6], borne)
+
+
+def _leaning(edges: Array, ground: Ground, points: Array) -> Array:
+    """The friction pyramid's edges about the ground's normal under points, (points, 4, 3)."""
+    normals = ground.normals(points)
+    first = np.cross(np.array([0.0, 1.0, 0.0]), normals)
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    axes = np.stack((first, np.cross(normals, first), normals), axis=1)
+    return edges @ axes
 
 
 def _quiet_copy(model: mujoco.MjModel) -> mujoco.MjModel:

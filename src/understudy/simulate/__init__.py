@@ -26,7 +26,7 @@ import numpy as np
 from tqdm import tqdm
 
 from understudy.character import Character
-from understudy.control import Compiled, Controls, Drive, OpenLoop, PythonController
+from understudy.control import Compiled, Controls, Drive, OpenLoop, PythonController, Tracking
 from understudy.errors import ControllerFailed, Diverged, InvalidValue
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
@@ -320,10 +320,9 @@ def _take(performance: Performance, model: mujoco.MjModel, states: Array, block:
     captured: list[Any] = [None] * len(performance.scene.characters)
     facts: dict[str, Any] = {}
     for controller in performance.controllers:
-        which = getattr(controller, "character", None)
-        if isinstance(which, int):
-            references[which] = getattr(controller, "reference", None)
-            captured[which] = getattr(controller, "captured", None)
+        if isinstance(controller, Tracking | Drive):
+            references[controller.character] = controller.reference
+            captured[controller.character] = controller.captured
         facts |= getattr(controller, "facts", {})
         if isinstance(controller, Drive):
             facts |= controller.settings(performance.scene)

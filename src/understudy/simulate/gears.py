@@ -168,7 +168,7 @@ def compiled(
         yield last
 
 
-def _joined(rows: list[Array]) -> tuple[Array, Array]:
+def _joined(rows: list[Array]) -> tuple[Any, Array]:
     """Rows of numbers as one, and where each begins and the last ends."""
     flat = [np.ascontiguousarray(row, float).ravel() for row in rows]
     at = np.cumsum([0, *(len(row) for row in flat)], dtype=np.int64)
