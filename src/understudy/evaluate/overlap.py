@@ -6,21 +6,18 @@ of the two says the same of a take with contact and of one without.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 
 from understudy.errors import InvalidValue
-from understudy.evaluate.contacts import Integers
-from understudy.evaluate.owners import Owners, owners
+from understudy.evaluate.owners import owners, owners_in
 from understudy.motion.rotations import Array
 
 if TYPE_CHECKING:
     from understudy.take import Take
-
-HIDDEN = 3
-"""Geometries from this group on are not drawn: those that a character touches with."""
 
 
 def overlap(take: Take, first: str, second: str, *, rate: float | None = None) -> Array:
@@ -39,17 +36,13 @@ def overlap(take: Take, first: str, second: str, *, rate: float | None = None) -
 
     Raises:
         UnknownName: Nothing in the scene is called that.
-        InvalidValue: Both names are the same, or the rate is not positive.
+        InvalidValue: Both names are the same, the two can never touch, or the rate is not positive.
     """
-    known = owners(take)
-    one, two = known.index(first), known.index(second)
-    if one == two:
-        raise InvalidValue(f"Both names are {first!r}; an overlap is of two things.")
     states = take.qpos[:: take.stride(rate)]
-    pairs = [(a, b) for a in shapes(take, known, one) for b in shapes(take, known, two)]
+    model, pairs = shapes_touching(take, first, second)
     if not pairs:
         return np.zeros(len(states))
-    model, data = take.model, mujoco.MjData(take.model)
+    data = mujoco.MjData(model)
     first_ids, second_ids = (np.array(side) for side in zip(*pairs, strict=True))
     # A plane has no radius: it may be near anything.
     radius = np.where(model.geom_rbound > 0, model.geom_rbound, np.inf)
@@ -65,15 +58,29 @@ def overlap(take: Take, first: str, second: str, *, rate: float | None = None) -
     return depth
 
 
-def shapes(take: Take, known: Owners, owner: int) -> list[int]:
-    """Geometries by which an owner touches.
+def shapes_touching(
+    take: Take, first: str, second: str
+) -> tuple[mujoco.MjModel, list[tuple[int, int]]]:
+    """A model of the take's scene, and pairs of its geometries by which two things touch in it.
 
-    A link has shapes kept for touching, which are not drawn; a prop touches with what is drawn as
-    solid (group 0), not with what is only to be seen (1 and 2).
+    Raises:
+        UnknownName: Nothing in the scene is called that.
+        InvalidValue: The two can never touch: both are fixed, or they are joined.
     """
-    mine: Integers = np.flatnonzero(known.of_geom == owner)
-    group = take.model.geom_group[mine]
-    for kept in (group >= HIDDEN, group == 0):
-        if kept.any():
-            return [int(geom) for geom in mine[kept]]
-    return [int(geom) for geom in mine]
+    scene, model, known = take.scene, take.model, owners(take)
+    if known.index(first) == known.index(second):
+        raise InvalidValue(f"Both names are {first!r}; an overlap is of two things.")
+    bodies = mujoco.mjtObj.mjOBJ_BODY
+    if all(mujoco.mj_name2id(model, bodies, name) > 0 for name in (first, second)):
+        # The scene knows which shapes are for touching: have it make them touch.
+        scene = replace(scene, contacts=((first, second),))
+        model = scene.model
+        known = owners_in(scene, model)
+        geoms = zip(model.pair_geom1, model.pair_geom2, strict=True)
+        sides = {known.index(first), known.index(second)}
+        return model, [(int(a), int(b)) for a, b in geoms if {*known.of_geom[[a, b]]} == sides]
+    mine, other = (np.flatnonzero(known.of_geom == known.index(name)) for name in (first, second))
+    kind, affinity = model.geom_contype, model.geom_conaffinity
+    every = [(int(a), int(b)) for a in mine for b in other]
+    meant = [(a, b) for a, b in every if kind[a] & affinity[b] or kind[b] & affinity[a]]
+    return model, meant or every

@@ -12,6 +12,7 @@ from understudy.errors import UnknownName
 from understudy.evaluate.contacts import Integers
 
 if TYPE_CHECKING:
+    from understudy.scene import Scene
     from understudy.take import Take
 
 WORLD = "world"
@@ -44,21 +45,26 @@ class Owners:
 
 
 def owners(take: Take) -> Owners:
-    """The owners of a take's geometries.
+    """The owners of a take's geometries."""
+    return owners_in(take.scene, take.model)
+
+
+def owners_in(scene: Scene, model: mujoco.MjModel) -> Owners:
+    """The owners of the geometries of a scene's model.
 
     A link is its body's name, with "b/" and so on for further characters. What a prop attached
     carries the prop's name: its body is called that, or its bodies and geoms begin with it and a
     slash. A geom of the world is called by its own name.
     """
-    model, kinds = take.model, mujoco.mjtObj
+    kinds = mujoco.mjtObj
     props = tuple(
-        name for prop in take.scene.props if isinstance(name := getattr(prop, "name", None), str)
+        name for prop in scene.props if isinstance(name := getattr(prop, "name", None), str)
     )
 
     def named(kind: Any, number: int) -> str:
         return _prop_of(mujoco.mj_id2name(model, kind, number) or "", props)
 
-    limbs = {body for part in take.scene.parts for body in part.bodies}
+    limbs = {body for part in scene.parts for body in part.bodies}
     bodies = [WORLD]
     for body in range(1, model.nbody):
         if body in limbs:
@@ -71,7 +77,7 @@ def owners(take: Take) -> Owners:
         bodies[body] if body else named(kinds.mjOBJ_GEOM, geom) or WORLD
         for geom, body in enumerate(model.geom_bodyid)
     ]
-    links = [bodies[body] for part in take.scene.parts for body in part.bodies]
+    links = [bodies[body] for part in scene.parts for body in part.bodies]
     names = tuple(dict.fromkeys((*links, *props, *bodies[1:], *geoms, WORLD)))
     place = {name: k for k, name in enumerate(names)}
     return Owners(
