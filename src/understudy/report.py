@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import html as markup
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from os import PathLike
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from understudy.errors import InvalidValue
-from understudy.evaluate.certificate import FULLY_PHYSICAL, scored, statement, verdict
+from understudy.evaluate import tables
+from understudy.evaluate.certificate import FULLY_PHYSICAL, called, scored, statement, verdict
 from understudy.evaluate.chart import SCRIPT, STYLE
-from understudy.evaluate.measure import Measured, measured
+from understudy.evaluate.measure import measured
 from understudy.evaluate.plots import all_charts
+from understudy.evaluate.pushes import push_events, pushed
 from understudy.evaluate.score import Score
 from understudy.motion.figure import plain_name
 from understudy.motion.files import written
@@ -37,15 +37,15 @@ def report_html(take: Take, *, title: str | None = None) -> str:
     name = title or scores[0].clip or scores[0].character
     parts = [_header(take, name, scores), _player(take, name)]
     for k, s in enumerate(scores):
-        heading = f"{s.character}: {s.clip}" if s.clip else s.character
+        heading = called(take, scores, k) + (f": {s.clip}" if s.clip else "")
         several = f"<h2>{_text(heading)}</h2>" if len(scores) > 1 else "<h2>Figures</h2>"
         parts.append(f'<section id="figures-{k}">{several}{_tiles(s)}</section>')
         charts = "".join(chart.html() for chart in all_charts(take, m, k))
         parts.append(f"<section><h2>Over time</h2>{charts}</section>" if charts else "")
         parts.append(_joints(s))
-        parts.append(_contacts(m, k))
+        parts.append(tables.by_link(m, k))
         parts.append(_notes(take, k))
-    parts.append(_footer(take, scores))
+    parts += [tables.contact_events(m), tables.pushes(take), _footer(take, scores)]
     return _PAGE.format(
         title=_text(name), style=_STYLE + STYLE, script=SCRIPT, body="\n".join(filter(None, parts))
     )
@@ -70,9 +70,12 @@ def _header(take: Take, name: str, scores: Sequence[Score]) -> str:
     heading = "; ".join(dict.fromkeys(verdict(s) for s in scores))
     kind = "good" if heading == FULLY_PHYSICAL else "held"
     words = "".join(
-        f"<p>{f'<b>{_text(s.character)}.</b> ' if len(scores) > 1 else ''}{_text(statement(s))}</p>"
-        for s in scores
+        f"<p>{f'<b>{_text(called(take, scores, k))}.</b> ' if len(scores) > 1 else ''}"
+        f"{_text(statement(s))}</p>"
+        for k, s in enumerate(scores)
     )
+    outside = pushed(push_events(take))
+    words += f"<p>{_text(outside)}</p>" if outside else ""
     return (
         f'<header><p class="kicker">Simulated performance, {take.duration:.2f} s</p>'
         f'<h1>{_text(name)}</h1><div class="verdict {kind}"><b>{heading}</b>{words}</div></header>'
@@ -218,21 +221,6 @@ def _value(value: float, unit: str, decimals: int) -> str:
     return f"{value:.{decimals}f}{gap}<small>{unit}</small>"
 
 
-def _table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    columns = "".join(f'<th scope="col">{_text(h)}</th>' for h in head)
-    body = "".join(
-        f'<tr><th scope="row">{_text(row[0])}</th>'
-        + "".join(f"<td>{_text(cell)}</td>" for cell in row[1:])
-        + "</tr>"
-        for row in rows
-    )
-    return (
-        f'<div class="wide" tabindex="0" role="region" aria-label="{_text(caption)}">'
-        f"<table><caption>{_text(caption)}</caption><thead><tr>{columns}</tr></thead>"
-        f"<tbody>{body}</tbody></table></div>"
-    )
-
-
 def _joints(s: Score) -> str:
     names = list(s.torque_peaks_nm) or list(s.joint_errors_deg)
     if not names:
@@ -252,39 +240,8 @@ def _joints(s: Score) -> str:
         for name in names
     ]
     head = ("Joint", "Error, rms [°]", "Mean [N m]", "Peak [N m]", "Of human limit [%]")
-    table = _table("Error and torque of every joint", head, rows)
+    table = tables.table("Error and torque of every joint", head, rows)
     return f"<section><h2>Joints</h2>{table}</section>"
-
-
-def _contacts(m: Measured, character: int) -> str:
-    who, table, rows = m.performer(character), m.contacts, []
-    for link, body in zip(who.links, who.bodies, strict=True):
-        mine = table.involving(np.array([body]))
-        if not mine.any():
-            continue
-        force = np.linalg.norm(table.force_on(np.array([body]), m.frames), axis=1)
-        seconds = len(np.unique(table.frame[mine & (table.depth > 0)])) / m.rate
-        normal = np.abs(np.sum(table.force[mine] * table.normal[mine], axis=1))
-        slip = float(np.sum(normal * table.slip[mine]) / max(normal.sum(), 1e-12))
-        rows.append(
-            (
-                plain_name(link),
-                f"{seconds:.2f}",
-                f"{force.max():.0f}",
-                f"{force.sum() / m.rate:.1f}",
-                f"{1e3 * max(0.0, float(table.depth[mine].max())):.1f}",
-                f"{1e3 * slip:.0f}",
-            )
-        )
-    if not rows:
-        return ""
-    head = ("Link", "Time [s]", "Peak force [N]", "Impulse [N s]", "Depth [mm]", "Slide [mm/s]")
-    words = (
-        "What touched. Impulse is force times time; compare it rather than peak force, which "
-        "depends on how hard the surfaces are."
-    )
-    made = _table("Contacts by link", head, rows)
-    return f"<section><h2>Contacts</h2><p>{words}</p>{made}</section>"
 
 
 def _notes(take: Take, character: int) -> str:

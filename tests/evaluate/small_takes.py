@@ -141,6 +141,7 @@ def simulated(
             characters=(character,),
             parts=(part,),
             props=(),
+            prefix=lambda character=0: "",
             ground=True if model.ngeom and model.geom_type[0] == 0 else None,
         ),
         model=model,

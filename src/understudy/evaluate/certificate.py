@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -57,7 +58,7 @@ def certificate(
     return {
         "kind": "understudy certificate",
         "schema": SCHEMA,
-        "statement": " ".join(filter(None, (*map(statement, scores), pushed(pushes)))),
+        "statement": _all_said(take, scores, pushed(pushes)),
         "fully_physical": all(s.fully_physical for s in scores),
         "duration_s": take.duration,
         "step_s": 1.0 / take.rate,
@@ -73,11 +74,12 @@ def certificate(
         "feet_on_ground": [foot.as_dict() for foot in footfalls(m)],
         "characters": [
             {
+                "prefix": take.scene.prefix(k),
                 "statement": statement(s),
                 "fully_physical": s.fully_physical,
-                **{k: v for k, v in s.as_dict().items() if k not in shared},
+                **{key: v for key, v in s.as_dict().items() if key not in shared},
             }
-            for s in scores
+            for k, s in enumerate(scores)
         ],
     }
 
@@ -86,6 +88,23 @@ def scored(take: Take, *, measures: Measured | None = None) -> tuple[Score, ...]
     """The score of every character of a take."""
     m = measured(take) if measures is None else measures
     return tuple(score(take, character=k, measures=m) for k in range(len(m.performers)))
+
+
+def called(take: Take, scores: Sequence[Score], character: int) -> str:
+    """A character's name; where there are several, with the letter of its names in the model."""
+    name = scores[character].character
+    letter = take.scene.prefix(character).rstrip("/") or "a"
+    return f"{name} ({letter})" if len(scores) > 1 else name
+
+
+def _all_said(take: Take, scores: Sequence[Score], pushes: str) -> str:
+    """The statements of all characters, each under its name, then what pushed them."""
+    several = len(scores) > 1
+    said = [
+        f"{called(take, scores, k)}: {statement(s)}" if several else statement(s)
+        for k, s in enumerate(scores)
+    ]
+    return " ".join(filter(None, (*said, pushes)))
 
 
 def foremost(events: tuple[ContactEvent, ...], most: int) -> tuple[ContactEvent, ...]:

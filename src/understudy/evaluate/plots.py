@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from understudy.evaluate import compare, feet
-from understudy.evaluate.chart import Bars, Chart, Series
+from understudy.evaluate.chart import STROKES, Bars, Chart, Series
+from understudy.evaluate.events import ContactEvent, contact_force
 from understudy.evaluate.measure import Measured
 from understudy.evaluate.score import motion
 from understudy.motion.clip import Clip
@@ -146,6 +148,35 @@ def ground_reaction(take: Take, m: Measured, character: int = 0) -> Chart | None
         y_label="Force [body weights]",
         series=tuple(lines),
         decimals=2,
+    )
+
+
+def contact_timeline(m: Measured, events: Sequence[ContactEvent]) -> Chart | None:
+    """Force between the pairs of some events over time; None without events.
+
+    As many pairs as lines can be told apart, those of the largest impulse.
+    """
+    total: dict[tuple[str, str], float] = {}
+    for event in events:
+        total[event.between] = total.get(event.between, 0.0) + event.impulse_ns
+    pairs = sorted(total, key=lambda pair: -total[pair])[: len(STROKES)]
+    if not pairs:
+        return None
+    return Chart(
+        title="Contact forces",
+        caption="Size of the force between two things that touch"
+        + ("." if len(pairs) == len(total) else f", for {len(pairs)} of {len(total)} pairs."),
+        x_label=_TIME,
+        y_label="Force [N]",
+        series=tuple(
+            Series(
+                name=" - ".join(plain_name(name) for name in pair),
+                x=m.times,
+                y=np.linalg.norm(contact_force(m, *pair), axis=1),
+            )
+            for pair in pairs
+        ),
+        decimals=0,
     )
 
 
