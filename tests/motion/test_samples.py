@@ -10,8 +10,11 @@ from understudy.motion import edits, gait, ground
 from understudy.motion import rotations as rot
 from understudy.motion.samples import sample, samples
 
-# Fastest joint rotation in the samples [deg/s]; quick wrists in drumming reach about 600.
-FASTEST = 800.0
+# Fastest joint rotation in the samples [deg/s]; quick wrists in drumming reach about 600, and the
+# elbow 1040 in a stroke at 3.5 m/s.
+FASTEST = {"strike": 1100.0}
+# Greatest acceleration of a joint [m/s^2]; the strike stops its hand within 4 hundredths.
+HARDEST = {"strike": 130.0}
 
 
 @pytest.fixture(scope="module", params=samples())
@@ -23,7 +26,7 @@ def test_samples_say_that_they_are_made(clip):
     assert clip.synthetic
     assert "not captured" in clip.notes[0]
     assert clip.rate == 120.0
-    assert 4.9 < clip.duration < 6.1
+    assert 2.9 < clip.duration < 9.1
 
 
 def test_samples_are_the_same_every_time(clip):
@@ -45,11 +48,11 @@ def test_feet_do_not_slide(clip):
 
 def test_joints_turn_and_move_at_human_speed(clip):
     omega = np.degrees(np.linalg.norm(edits.angular_velocities(clip, world=False), axis=-1))
-    assert omega.max() < FASTEST
+    assert omega.max() < FASTEST.get(clip.name, 800.0)
     speed = np.linalg.norm(edits.joint_velocities(clip), axis=-1)
     assert speed.max() < 5.0
     acceleration = np.linalg.norm(edits.joint_accelerations(clip), axis=-1)
-    assert acceleration.max() < 90.0
+    assert acceleration.max() < HARDEST.get(clip.name, 90.0)
 
 
 def test_knees_and_elbows_bend_only_forward_and_back(clip):

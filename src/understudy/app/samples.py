@@ -46,7 +46,7 @@ def run(options: Options) -> Outcome:
     }
     if not wanted:
         rows = [("sample", "seconds", "what it is")]
-        rows += [(n, f"{c.duration:.1f}", c.notes[0] if c.notes else "") for n, c in clips.items()]
+        rows += [(n, f"{c.duration:.1f}", c.notes[-1] if c.notes else "") for n, c in clips.items()]
         text = table(rows, right=(1,)) + "\n\nUse one as sample:NAME, or write it with --out."
         return Outcome(result={"samples": result, "files": {}}, text=text)
     files: dict[str, str] = {}
