@@ -296,3 +296,29 @@ def test_real_skeletons_pair_every_limb(clips: Path, file, pairs):
     twice = clip.mirrored().mirrored()
     np.testing.assert_allclose(twice.rotations, clip.rotations, atol=1e-9)
     np.testing.assert_allclose(twice.root_positions, clip.root_positions, atol=1e-9)
+
+
+def test_placing_there_and_back_is_the_clip():
+    clip = smooth_clip()
+    out = clip.placed(at=(4.0, -2.0), heading=2.5)
+    back = out.placed(at=clip.root_positions[0, :2], heading=-2.5)
+    np.testing.assert_allclose(back.root_positions, clip.root_positions, atol=1e-12)
+    assert worst_angle(back, clip) < 1e-7
+    assert clip.placed().root_positions == pytest.approx(clip.root_positions)
+
+
+def test_placing_moves_everything_rigidly_over_the_ground():
+    clip, turn = smooth_clip(), rot.from_rotvec([0.0, 0.0, 0.7])
+    out = clip.placed(at=(4.0, -2.0), heading=0.7)
+    about = clip.root_positions[0] * [1.0, 1.0, 0.0]
+    before, after = clip.forward_kinematics(), out.forward_kinematics()
+    expected = rot.rotate(turn, before.positions - about) + np.array([4.0, -2.0, 0.0])
+    np.testing.assert_allclose(after.positions, expected, atol=1e-12)
+    np.testing.assert_allclose(out.root_positions[0, :2], [4.0, -2.0], atol=1e-12)
+    np.testing.assert_array_equal(out.rotations[:, 1:], clip.rotations[:, 1:])
+
+
+@pytest.mark.parametrize("options", [{"at": (1.0,)}, {"at": (1.0, np.nan)}, {"heading": np.inf}])
+def test_placing_nowhere_is_refused(options):
+    with pytest.raises(InvalidValue):
+        smooth_clip().placed(**options)

@@ -19,8 +19,9 @@ from understudy.motion.skeleton import Skeleton
 
 # Shorter bones than this [m] are no bones: joints of one place, which some files have.
 SHORT = 1e-4
-# Weights: position in arm lengths, orientation and offsets in radians, elbow as sines. The hand's
-# place decides, then its orientation, then a natural elbow and wrist; the smallest offsets break the tie.
+# Weights: position in arm lengths, orientation and offsets in radians, elbow and wrist as sines and
+# cosines. The hand's place decides, then its orientation and natural joints; the smallest offsets
+# break the tie.
 # Solved in stages of growing weight on the place, each from the last one's answer: the valley is
 # too narrow to be entered from outside.
 POSITION = (1e2, 1e4, 1e6)
@@ -195,7 +196,7 @@ def solved(arm: Arm, posture: Posture, goal: Array) -> Array:
     (3,), for the posture's point.
     """
     objective = Objective(arm, posture, goal)
-    best = np.zeros(9)
+    best = _guessed(arm, posture, np.asarray(goal, float)).reshape(9)
     for weight in POSITION:
         objective.weight = weight
         best = minimize(
@@ -221,6 +222,33 @@ def place(arm: Arm, posture: Posture) -> Array:
     forearm = posture.upper @ posture.elbow
     hand = forearm @ posture.wrist
     return posture.shoulder + posture.upper @ arm.upper + forearm @ arm.lower + hand @ posture.point
+
+
+def _guessed(arm: Arm, posture: Posture, goal: Array) -> Array:
+    """Offsets (3, 3) to start from: the elbow folds, the shoulder swings, the hand turns back.
+
+    A straight arm whose hand is to come straight in has no gradient to leave by; this leaves.
+    """
+    start, kept = posture.shoulder, posture.hand()
+    wanted = goal - kept @ posture.point - start
+    a, b = float(np.linalg.norm(arm.upper)), float(np.linalg.norm(arm.lower))
+    far = float(np.clip(np.linalg.norm(wanted), abs(a - b) + 1e-3 * (a + b), 0.999 * (a + b)))
+    upper, lower = arm.upper / a, posture.elbow @ arm.lower / b
+    now = np.arctan2(lower @ _cross(arm.hinge, upper), lower @ upper)
+    bend = float(np.arccos(np.clip((far**2 - a**2 - b**2) / (2.0 * a * b), -1.0, 1.0)) - now)
+    fold = posture.elbow.T @ arm.hinge * bend
+    forearm = posture.elbow @ _exponential(fold)
+    swing = rot.to_matrix(
+        rot.shortest_arc(posture.upper @ (arm.upper + forearm @ arm.lower), wanted)
+    )
+    upper_arm = swing @ posture.upper
+    return np.stack(
+        (
+            _logarithm(posture.upper.T @ upper_arm),
+            fold,
+            _logarithm(posture.wrist.T @ (upper_arm @ forearm).T @ kept),
+        )
+    )
 
 
 class Objective:

@@ -8,7 +8,8 @@ other than the actor's this brings hands back to what they touched.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from numbers import Real
 
 import numpy as np
@@ -29,7 +30,7 @@ MISS = 0.002
 EASY = 0.97
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class HandTarget:
     """A hand at a place at a time.
 
@@ -51,9 +52,9 @@ class HandTarget:
     def __post_init__(self) -> None:
         _check_times(self.time, self.window)
         expect(self.joint, str, "joint", "the name of a joint")
-        object.__setattr__(self, "position", frozen_array(self.position, (3,), "position"))
+        object.__setattr__(self, "position", _spot(self.position, "position"))
         if self.point is not None:
-            object.__setattr__(self, "point", frozen_array(self.point, (3,), "point"))
+            object.__setattr__(self, "point", _spot(self.point, "point"))
 
     def retimed(self, speed: float, *, window: float | None = None) -> HandTarget:
         """The target for a clip played `speed` times as fast; its window shrinks, or is `window`.
@@ -99,7 +100,7 @@ class Meet:
     time: float
     hands: tuple[str, str] = ("right_wrist", "left_wrist")
     window: float = 0.3
-    position: tuple[float, float, float] | None = field(default=None)
+    position: ArrayLike | None = None
     apart: float = 0.005
 
     def __post_init__(self) -> None:
@@ -109,8 +110,7 @@ class Meet:
         if not (isinstance(self.apart, Real) and 0.0 <= self.apart <= 1.0):
             raise InvalidValue(f"apart is {shown(self.apart)}; it must lie in 0 to 1 m.")
         if self.position is not None:
-            spot = frozen_array(self.position, (3,), "position")
-            object.__setattr__(self, "position", tuple(spot.tolist()))
+            object.__setattr__(self, "position", _spot(self.position, "position"))
 
     def retimed(self, speed: float, *, window: float | None = None) -> Meet:
         """The meeting of clips played `speed` times as fast; its window shrinks, or is `window`."""
@@ -153,6 +153,7 @@ def reach(clip: Clip, targets: Iterable[HandTarget]) -> tuple[Clip, tuple[Reache
     turned, outcomes = np.array(clip.rotations), []
     for name in names:
         mine = [target for target in wanted if target.joint == name]
+        _check_order(clip, mine)
         offsets = [_offset(clip, arms[name], target) for target in mine]
         weights = _weights(clip.times, mine)
         # (frames, 3 joints, 3): rotation vectors add up where windows overlap.
@@ -191,7 +192,10 @@ def meeting(clip_a: Clip, clip_b: Clip, meets: Iterable[Meet]) -> tuple[Clip, Cl
         if np.linalg.norm(way) < 1e-3:
             way = sides[1][1].shoulder - sides[0][1].shoulder
         way = 0.5 * meet.apart * way / max(float(np.linalg.norm(way)), 1e-9)
-        spot = np.array(meet.position) if meet.position else _between(sides, palms, meet)
+        if meet.position is None:
+            spot = _between(sides, palms, meet)
+        else:
+            spot = np.asarray(meet.position, float)
         for joint, at, list_ in zip(
             meet.hands, (spot - way, spot + way), (first, second), strict=True
         ):
@@ -209,6 +213,15 @@ def _at(
     local, root = sampled(clip, [time])
     where = palm(clip.skeleton, joint) if point is None else np.asarray(point, float)
     return arm, posture(arm, clip.skeleton, local[0], root[0], where)
+
+
+def _check_order(clip: Clip, targets: Sequence[HandTarget]) -> None:
+    """Refuse two targets of one arm, in order of time, that are less than a frame apart."""
+    for one, two in pairwise(targets):
+        if two.time - one.time < 1.0 / clip.rate - 1e-9:
+            raise InvalidValue(
+                f"{one.joint!r} has two targets at {one.time:g} s, less than a frame apart."
+            )
 
 
 def _offset(clip: Clip, arm: Arm, target: HandTarget) -> tuple[Array, Reached]:
@@ -289,6 +302,12 @@ def _check_times(time: float, window: float) -> None:
         raise InvalidValue(f"time is {shown(time)}; it must be a time in seconds, 0 or more.")
     if not (isinstance(window, Real) and 0.0 < window <= 100.0):
         raise InvalidValue(f"window is {shown(window)}; it must be a time in 0 to 100 s.")
+
+
+def _spot(value: ArrayLike, name: str) -> tuple[float, float, float]:
+    """Three finite numbers [m], as a value that compares."""
+    x, y, z = frozen_array(value, (3,), name).tolist()
+    return x, y, z
 
 
 def _speed(speed: float) -> float:

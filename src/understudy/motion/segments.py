@@ -27,6 +27,8 @@ SAME = 1e-4
 # within this [m].
 HOME = float(np.radians(20.0))
 HOME_HEIGHT = 0.15
+# Velocities at a seam are those of parabolas through this much of a segment [s].
+FITTED = 0.05
 # A loop of more repetitions than this is a mistake.
 MOST_LOOPS = 1000
 
@@ -200,12 +202,14 @@ def _joined(
     difference of pose and of velocity fades out on either side.
     """
     apart = rot.to_rotvec(rot.multiply(rot.conjugate(before[-1]), after[0]))
-    step = rot.to_rotvec(rot.multiply(rot.conjugate(before[-2]), before[-1]))
-    next_step = rot.to_rotvec(rot.multiply(rot.conjugate(after[0]), after[1]))
-    faster = (next_step - step) * rate
+    ends = [
+        rot.to_rotvec(rot.multiply(rot.conjugate(turned[:1]), turned))
+        for turned in (before[::-1], after)
+    ]
+    faster = _slope(ends[1], rate) + _slope(ends[0], rate)
     # The root path meets over the ground already: only height and velocity differ.
     gap = path_after[0] - path[-1]
-    quicker = ((path_after[1] - path_after[0]) - (path[-1] - path[-2])) * rate
+    quicker = _slope(path_after - path_after[0], rate) + _slope(path[::-1] - path[-1], rate)
     for turned, places, sign in ((before, path, 1.0), (after, path_after, -1.0)):
         window = min(blend, (len(turned) - 1) / rate)
         here = slice(None, None, -1) if sign > 0 else slice(None)
@@ -215,6 +219,15 @@ def _joined(
         offset = value[..., None] * apart + slope[..., None] * faster
         turned[:] = rot.multiply(turned, rot.from_rotvec(offset[here]))
         places += (value * gap + slope * quicker)[here]
+
+
+def _slope(values: Array, rate: float) -> Array:
+    """Rate of change at the first frame of values that are 0 there, by a parabola, (...)."""
+    frames = min(len(values), max(3, round(FITTED * rate)))
+    s = np.arange(frames) / rate
+    terms = np.stack((s, s * s), axis=-1)[:, : frames - 1]
+    fit = np.linalg.lstsq(terms, values[:frames].reshape(frames, -1), rcond=None)[0]
+    return fit[0].reshape(values.shape[1:])
 
 
 def _fading(time: Array, window: float) -> tuple[Array, Array]:
