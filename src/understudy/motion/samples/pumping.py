@@ -77,9 +77,7 @@ def staff() -> Clip:
     # Thumb up is a quarter turn of the palm-down hand; `aside` rolls it about its length.
     hand = hand_rotation(np.radians(97.0), np.radians(ahead), np.radians(90.0 + aside))
     place_palm(turned, skeleton, "right", root, grip, np.array([-0.6, -0.55, -0.75]), hand)
-    return made(
-        "staff", skeleton, turned, root, "The wrist lets the staff tilt; a task may fix it."
-    )
+    return made("staff", skeleton, turned, root, _WHAT)
 
 
 def _tilt(times: Array, size: Array, follow: Array) -> tuple[Array, Array]:
