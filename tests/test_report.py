@@ -2,9 +2,11 @@ from __future__ import annotations
 
 import itertools
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bodies import chain, still
@@ -13,7 +15,7 @@ from understudy.character.bodies import adult_woman
 from understudy.control import Tracking
 from understudy.performance import Performance
 from understudy.report import report_html, write_report
-from understudy.scene import Scene
+from understudy.scene import Ball, Scene
 from understudy.simulate import simulate
 from understudy.take import Take
 
@@ -136,3 +138,33 @@ def test_report_speaks_plainly(page: str) -> None:
     assert "ball of left foot" in page and "left ball" not in page
     assert "inverse_dynamics" not in page
     assert " /s²" in page
+
+
+def test_report_lists_contacts_and_sums_up_feet(page: str) -> None:
+    woman = adult_woman()
+    clip = still(woman, seconds=0.4)
+    ball = Ball(position=(0.0, 0.0, woman.height + 0.2))
+    scene = Scene(characters=(woman,), props=(ball,), contacts=(("head", "ball"),))
+    servo = Tracking(reference=clip, pelvis="assisted")
+    hit = report_html(simulate(Performance(scene=scene, controllers=(servo,), duration=0.4)))
+    section = hit.split('<section id="contact-events">')[1].split("</section>")[0]
+    for words in ("Contact forces", "head - ball", "Feet on the ground", "left foot"):
+        assert words in section
+    reading = Outline()
+    reading.feed(hit)
+    assert reading.open == []
+    # Nothing touched the body that is led above the floor, and nothing pushed it.
+    assert 'id="contact-events"' not in page and 'id="pushes"' not in page
+
+
+def test_report_tells_of_pushes(take: Take) -> None:
+    chest = take.model.body("chest").id
+    outside = np.zeros((take.frames, take.model.nbody, 6))
+    outside[(take.times > 0.1) & (take.times < 0.2), chest, 0] = 200.0
+    page = report_html(replace(take, xfrc_applied=outside))
+    reading = Outline()
+    reading.feed(page)
+    assert reading.open == []
+    row = re.search(r'<section id="pushes">.*?<tbody><tr>(.*?)</tr>', page)
+    assert row and "chest" in row[1] and "200" in row[1]
+    assert "Pushed from outside, on purpose: chest, " in page.split("</header>")[0]
