@@ -9,7 +9,7 @@ of the floor under the clip (capture floors are not level) is taken out with the
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -21,6 +21,7 @@ from scipy.ndimage import (
     label,
     maximum_filter1d,
     median_filter,
+    minimum_filter1d,
 )
 
 from understudy.character.body import Character
@@ -33,6 +34,9 @@ SLOW = 0.35  # A point in stance moves slower than this [m/s].
 LOW = 0.12  # And lies lower than this over the floor [m].
 MOST = 0.03  # Most a point moves in one round [m].
 ROUNDS = 3
+# On uneven ground the lowest point within this time [s] is on it; the body goes up and down more
+# slowly than the feet [s], and a foot in stance may be further off before it is planted [m].
+DRIFT, UNEVEN_SMOOTHING, UNEVEN_HEIGHT = 0.3, 0.4, 0.08
 STANDS = 0.003  # A floor found this near z = 0 [m] is z = 0, and so is a foot moved by less.
 MOST_SHIFT = 0.1  # A foot further off than this is not there by accident [m].
 MOST_LIFT = 0.6  # Hands of a body with long arms may hang this far below the floor [m].
@@ -44,6 +48,18 @@ CLEARANCE = 0.015
 _LEG, _ARM = ("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")
 # Axes a straight limb bends about, in its upper link's frame: a knee's, and an elbow's in T-pose.
 _LATERAL, _VERTICAL = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+
+
+class Floor(Protocol):
+    """What lies under the feet where it is not the plane z = 0."""
+
+    def height(self, points: Any, /) -> Array:
+        """Height under world points (..., 2 or more) [m], shape (...)."""
+        ...
+
+    def normals(self, points: Any, /) -> Array:
+        """Unit normals there, shape (..., 3)."""
+        ...
 
 
 def fitted_soles(clip: Clip, character: Character) -> Character:
@@ -75,19 +91,35 @@ def fitted_soles(clip: Clip, character: Character) -> Character:
     return _moved(character, points, _shared(character, points, shifts))
 
 
-def standing(clip: Clip, character: Character, *, shifts: Array | None = None) -> Clip:
-    """The clip lowered or raised, slowly over time, so that its resting soles touch z = 0.
+def standing(
+    clip: Clip,
+    character: Character,
+    *,
+    shifts: Array | None = None,
+    ground: Floor | None = None,
+) -> Clip:
+    """The clip lowered or raised, slowly over time, so that its resting soles touch the floor.
 
     Args:
         clip: On the character's own skeleton.
         character: A body with contact shapes at its feet; without any the clip is unchanged.
         shifts: Change of each sole point along its link's z [m], for a fit in progress.
+        ground: The floor; None is z = 0. On a slope the feet are tilted with it.
     """
     if not sole_points(character):
         return clip
-    heights, slow = _sole_motion(clip, character, shifts)
+    if ground is not None:
+        clip = _tilted(clip, character, ground)
+    heights, slow = _sole_motion(clip, character, shifts, ground)
     base = _base(heights, slow)
-    resting = slow & (heights < base + LOW)
+    near, smooth, part = base, 0.15, 0.2
+    if ground is not None:
+        # A straight leg gets no longer: so low that feet have to be lifted to stand on the floor.
+        smooth, part = UNEVEN_SMOOTHING, 0.9
+        # Walking level over a slope, a clip is off the floor by more and more.
+        window = 2 * round(DRIFT * clip.rate) + 1
+        near = minimum_filter1d(heights.min(axis=1), window, mode="nearest")[:, None]
+    resting = slow & (heights < near + LOW)
     known = resting.any(axis=1)
     if known.sum() < 3:
         return _lowered(clip, np.full(clip.frames, base))
@@ -96,13 +128,13 @@ def standing(clip: Clip, character: Character, *, shifts: Array | None = None) -
     floor = np.interp(frames, frames[known], lowest[known])
     window = 2 * round(0.1 * clip.rate) + 1
     floor = median_filter(floor, window, mode="nearest")
-    floor = gaussian_filter1d(floor, 0.15 * clip.rate, mode="nearest")
+    floor = gaussian_filter1d(floor, smooth * clip.rate, mode="nearest")
     after = np.where(resting, heights - floor[:, None], np.inf).min(axis=1)[known]
-    floor += float(np.quantile(after, 0.2)) + 0.001
+    floor += float(np.quantile(after, part)) + 0.001
     return _lowered(clip, floor)
 
 
-def planted(clip: Clip, character: Character) -> Clip:
+def planted(clip: Clip, character: Character, *, ground: Floor | None = None) -> Clip:
     """The clip with feet that neither sink into the floor nor slide along it, and hands above it.
 
     A captured foot has no sole: pushing off, it turns its toes some centimeters into the floor, and
@@ -113,8 +145,9 @@ def planted(clip: Clip, character: Character) -> Clip:
     note says how far.
 
     Args:
-        clip: On the character's own skeleton, standing on z = 0.
+        clip: On the character's own skeleton, standing on the floor.
         character: The body.
+        ground: The floor; None is z = 0.
     """
     if clip.frames < 5 or not sole_points(character):
         return clip
@@ -131,8 +164,11 @@ def planted(clip: Clip, character: Character) -> Clip:
             if not points or any(name not in joints for name in names):
                 continue
             places = np.stack(points, axis=1)
+            if ground is not None:
+                places[..., 2] -= ground.height(places)
             if part == "feet":
-                shift = _planting(places, clip.rate)
+                low = PLANTED_HEIGHT if ground is None else UNEVEN_HEIGHT
+                shift = _planting(places, clip.rate, low)
             else:
                 shift = np.zeros((clip.frames, 3))
                 shift[:, 2] = _rise(-places[..., 2].min(axis=1), clip.rate, most=MOST_LIFT)
@@ -151,16 +187,17 @@ def planted(clip: Clip, character: Character) -> Clip:
     return replace(clip, rotations=local, notes=(*clip.notes, *notes)) if notes else clip
 
 
-def _planting(places: Array, rate: float) -> Array:
+def _planting(places: Array, rate: float, low: float) -> Array:
     """How to move a foot [m], shape (frames, 3), from the paths of its sole points.
 
-    `places` has shape (frames, points, 3), the lowest point of each sphere.
+    `places` has shape (frames, points, 3), the lowest point of each sphere, its z over
+    the floor. A point in stance is lower than `low` [m].
     """
     frames = np.arange(len(places))
     lowest = places[..., 2].argmin(axis=1)
     height = places[frames, lowest, 2]
     velocity = derivative(places[..., :2], rate, smoothing=0.075)[frames, lowest]
-    stance = (height < PLANTED_HEIGHT) & (np.linalg.norm(velocity, axis=1) < PLANTED_SPEED)
+    stance = (height < low) & (np.linalg.norm(velocity, axis=1) < PLANTED_SPEED)
     stance = binary_closing(np.pad(stance, 3, mode="edge"), iterations=3)[3:-3]
     stance = binary_opening(np.pad(stance, 9, mode="edge"), iterations=max(1, round(0.03 * rate)))
     found: Any = label(stance[9:-9])
@@ -284,17 +321,37 @@ def _hand_points(character: Character) -> list[tuple[int, Array, float]]:
     ]
 
 
+def _tilted(clip: Clip, character: Character, ground: Floor) -> Clip:
+    """The clip with each foot turned as the plane under it is turned from the level."""
+    pose, local = clip.forward_kinematics(), np.array(clip.rotations)
+    for k, link in enumerate(character.links):
+        if not link.joint.endswith("_ankle"):
+            continue
+        up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), (clip.frames, 3))
+        normals = gaussian_filter1d(
+            ground.normals(pose.positions[:, k]), 0.1 * clip.rate, axis=0, mode="nearest"
+        )
+        tilt = rot.shortest_arc(up, normals)
+        above = pose.rotations[:, link.parent]
+        turned = rot.multiply(tilt, pose.rotations[:, k])
+        local[:, k] = rot.multiply(rot.conjugate(above), turned)
+    # A level floor leaves the feet bitwise as they are.
+    same = np.allclose(local, clip.rotations, atol=1e-12)
+    return clip if same else replace(clip, rotations=local)
+
+
 def _sole_motion(
-    clip: Clip, character: Character, shifts: Array | None
+    clip: Clip, character: Character, shifts: Array | None, ground: Floor | None = None
 ) -> tuple[Array, np.ndarray]:
-    """Heights of the sole points [m] and whether each is slow, shape (frames, points)."""
+    """Heights of the sole points over the floor [m] and whether each is slow, (frames, points)."""
     pose = clip.forward_kinematics()
     heights, slow = [], []
     for k, (link, center, radius) in enumerate(sole_points(character)):
         at = center if shifts is None else center + np.array([0.0, 0.0, shifts[k]])
         place = pose.positions[:, link] + rot.rotate(pose.rotations[:, link], at)
         speed = np.linalg.norm(derivative(place, clip.rate, smoothing=0.075), axis=1)
-        heights.append(place[:, 2] - radius)
+        low = place[:, 2] - radius
+        heights.append(low if ground is None else low - ground.height(place))
         slow.append(speed < SLOW)
     return np.stack(heights, axis=1), np.stack(slow, axis=1)
 
