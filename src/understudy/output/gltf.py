@@ -3,17 +3,19 @@
 glTF is y up and meters; (x, y, z) becomes (x, z, -y), so that a body that faces +x still does.
 Structure follows the Khronos glTF 2.0 specification: one node per joint, one mesh bound to all of
 them by a skin, one animation with a rotation channel per joint and a translation channel for the
-root, all sampled at the clip's own times.
+root, all sampled at the clip's own times. A prop is a node of its own.
 """
 
 from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+import mujoco
 import numpy as np
 
 from understudy.character import Linkage
@@ -25,6 +27,7 @@ from understudy.output import bones, meshes
 
 if TYPE_CHECKING:
     from understudy.character import Character
+    from understudy.take import Take
 
 _FLOAT, _UINT, _USHORT, _UBYTE = 5126, 5125, 5123, 5121
 _TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
@@ -51,8 +54,32 @@ class Skin:
     color: Array
 
 
+@dataclass(frozen=True, kw_only=True)
+class Solid:
+    """A rigid thing beside the body, a node of its own: a prop.
+
+    Attributes:
+        name: Of the node.
+        surfaces: Its triangles, in its own frame.
+        joint: Number of the joint that holds it, or None.
+        positions: Place in the joint's frame or the world [m], z up: (3,), or (frames, 3) where it
+            moves.
+        rotations: Orientation, wxyz: (4,) or (frames, 4).
+    """
+
+    name: str
+    surfaces: tuple[meshes.Surface, ...]
+    joint: int | None = None
+    positions: Array
+    rotations: Array
+
+
 def write_glb(
-    clip: Clip, path: str | PathLike[str], *, character: Character | Linkage | None = None
+    clip: Clip,
+    path: str | PathLike[str],
+    *,
+    character: Character | Linkage | None = None,
+    solids: Sequence[Solid] = (),
 ) -> None:
     """Write a clip as a GLB file.
 
@@ -60,18 +87,24 @@ def write_glb(
         clip: The motion; with a character, on that character's skeleton.
         path: The file to write.
         character: Its visible shapes become the skin; without one, the bones do.
+        solids: Things beside it; of a take see `solids_of`.
 
     Raises:
         InvalidValue: The clip's skeleton is not the character's, or the numbers are too large for
             the format.
         UnderstudyError: The file cannot be written.
     """
-    data = encoded(clip, character=character)
+    data = encoded(clip, character=character, solids=solids)
     with written(path) as temporary:
         temporary.write_bytes(data)
 
 
-def encoded(clip: Clip, *, character: Character | Linkage | None = None) -> bytes:
+def encoded(
+    clip: Clip,
+    *,
+    character: Character | Linkage | None = None,
+    solids: Sequence[Solid] = (),
+) -> bytes:
     """A GLB file's bytes; see `write_glb`."""
     if max(np.abs(clip.root_positions).max(), np.abs(clip.skeleton.offsets).max()) > 1e30:
         raise InvalidValue("Positions beyond 1e30 m do not fit into a glTF file.")
@@ -95,14 +128,25 @@ def encoded(clip: Clip, *, character: Character | Linkage | None = None) -> byte
     for skin in skins:
         primitives.append(_primitive(file, skin, len(materials)))
         materials.append(_material(skin.color, len(materials)))
+    animation = _animation(file, clip)
+    shapes, roots = [{"name": "body", "primitives": primitives}], [0, len(names)]
+    for solid in solids:
+        node = _solid(file, solid, materials, shapes)
+        if solid.joint is None:
+            roots.append(len(nodes))
+        else:
+            nodes[solid.joint].setdefault("children", []).append(len(nodes))
+        if np.ndim(solid.positions) == 2:
+            _animate(file, animation, solid, len(nodes))
+        nodes.append(node)
     inverse = np.tile(np.eye(4), (len(names), 1, 1))
     inverse[:, 3, :3] = -y_up(clip.skeleton.rest_positions())  # column-major: row 3 translates
     document = {
         "asset": {"version": "2.0", "generator": "Understudy"},
         "scene": 0,
-        "scenes": [{"name": clip.name, "nodes": [0, len(names)]}],
+        "scenes": [{"name": clip.name, "nodes": roots}],
         "nodes": nodes,
-        "meshes": [{"name": "body", "primitives": primitives}],
+        "meshes": shapes,
         "materials": materials,
         "skins": [
             {
@@ -112,9 +156,40 @@ def encoded(clip: Clip, *, character: Character | Linkage | None = None) -> byte
                 "joints": list(range(len(names))),
             }
         ],
-        "animations": [_animation(file, clip)],
+        "animations": [animation],
     }
     return file.packed(document)
+
+
+def solids_of(take: Take, character: int = 0, *, rate: float) -> tuple[Solid, ...]:
+    """The props of a take beside one of its characters, at a clip's rate [Hz].
+
+    What that character holds hangs on its hand's node and moves with it; what is loose or held by
+    another has an animation; what is fixed has a place. Planes are left out.
+    """
+    model, part = take.model, take.scene.parts[character]
+    bodies = {body for one in take.scene.parts for body in one.bodies}
+    by_body: dict[int, list[meshes.Surface]] = {}
+    for surface in meshes.surfaces(model):
+        if surface.body not in bodies:
+            by_body.setdefault(surface.body, []).append(surface)
+    _, placed, turned = take.poses(rate) if by_body else (None, np.zeros(0), np.zeros(0))
+    joints = isinstance(take.scene.characters[character], Linkage)
+    out = []
+    for body, held in sorted(by_body.items()):
+        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) if body else "ground"
+        parent, joint = int(model.body_parentid[body]), None
+        if parent in part.bodies and not joints:
+            joint = part.bodies.index(parent)
+            place, turn = np.array(model.body_pos[body]), np.array(model.body_quat[body])
+        elif model.body_weldid[body] == 0:
+            place, turn = placed[0, body], turned[0, body]
+        else:
+            place, turn = placed[:, body], turned[:, body]
+        out.append(
+            Solid(name=name, surfaces=tuple(held), joint=joint, positions=place, rotations=turn)
+        )
+    return tuple(out)
 
 
 def character_skin(clip: Clip, character: Character) -> tuple[Skin, ...]:
@@ -217,6 +292,52 @@ def _material(color: Array, number: int) -> dict[str, Any]:
     if color[3] < 1.0:
         out["alphaMode"] = "BLEND"
     return out
+
+
+def _solid(
+    file: _File, solid: Solid, materials: list[dict[str, Any]], shapes: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """The node of a thing at its first place; its mesh and materials are added to the file."""
+    primitives = []
+    for surface in solid.surfaces:
+        primitives.append(
+            {
+                "attributes": {
+                    "POSITION": file.add(
+                        y_up(surface.points), _FLOAT, target=_CORNERS, bounds=True
+                    ),
+                    "NORMAL": file.add(_unit(y_up(surface.normals)), _FLOAT, target=_CORNERS),
+                },
+                "indices": file.add(
+                    np.array(surface.triangles, float).reshape(-1, 1),
+                    _USHORT if len(surface.points) < 65535 else _UINT,
+                    target=_INDICES,
+                ),
+                "material": len(materials),
+            }
+        )
+        materials.append(_material(surface.color, len(materials)))
+    shapes.append({"name": solid.name, "primitives": primitives})
+    place, turn = np.atleast_2d(solid.positions)[0], np.atleast_2d(solid.rotations)[0]
+    return {
+        "name": solid.name,
+        "mesh": len(shapes) - 1,
+        "translation": _numbers(y_up(place)),
+        "rotation": _numbers(_unit(y_up_xyzw(turn))),
+    }
+
+
+def _animate(file: _File, animation: dict[str, Any], solid: Solid, node: int) -> None:
+    """Channels that move a loose thing along; its poses are at the clip's times."""
+    samplers, channels = animation["samplers"], animation["channels"]
+    times = samplers[0]["input"]
+    moves = (
+        ("translation", y_up(solid.positions)),
+        ("rotation", _unit(y_up_xyzw(solid.rotations))),
+    )
+    for path, values in moves:
+        channels.append({"sampler": len(samplers), "target": {"node": node, "path": path}})
+        samplers.append({"input": times, "output": file.add(values, _FLOAT)})
 
 
 def _animation(file: _File, clip: Clip) -> dict[str, Any]:

@@ -6,6 +6,7 @@ a rigid pose per frame is all that a player or a skinned file has to add.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,17 +88,21 @@ def surfaces(model: mujoco.MjModel) -> tuple[Surface, ...]:
     return tuple(out)
 
 
-def outline(model: mujoco.MjModel) -> tuple[np.ndarray[Any, np.dtype[np.int64]], Array]:
+def outline(
+    model: mujoco.MjModel, fixed: Collection[int] = ()
+) -> tuple[np.ndarray[Any, np.dtype[np.int64]], Array]:
     """A few outermost points of every moving body: body numbers (n,) and points (n, 3) [m].
 
-    A picture that holds these points holds the body.
+    A picture that holds these points holds the body. Of bodies that do not move only the `fixed`
+    ones are taken.
     """
     axis = np.array([-1.0, 0.0, 1.0])
     directions = np.stack(np.meshgrid(axis, axis, axis), -1).reshape(-1, 3)
     bodies, points = [], []
     for geom in np.flatnonzero(shown(model)):
         body = int(model.geom_bodyid[geom])
-        corners = None if model.body_weldid[body] == 0 else _corners(model, int(geom))
+        seen = model.body_weldid[body] != 0 or body in fixed
+        corners = _corners(model, int(geom)) if seen else None
         if corners is None:
             continue
         corners = rot.rotate(model.geom_quat[geom], corners) + model.geom_pos[geom]

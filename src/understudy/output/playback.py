@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 _GAP = 0.35  # m between a body and the ghost beside it
 _FRAMING_POSES = 90  # poses looked at to place the camera
+_NEAR = 1.5  # a prop's points this near the performers are kept in the picture [m]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,6 +47,7 @@ class Playback:
         name: For titles.
         simulated: False when the poses come from a clip.
         names: Name of every body, from which left and right are told; by default the model's.
+        props: Bodies that belong to no performer and are held by none.
     """
 
     model: mujoco.MjModel
@@ -60,6 +62,7 @@ class Playback:
     name: str = "take"
     simulated: bool = True
     names: tuple[str, ...] = ()
+    props: tuple[int, ...] = ()
 
     @property
     def frames(self) -> int:
@@ -160,8 +163,14 @@ class Playback:
     def shot(self, view: str, aspect: float) -> Shot:
         """The camera that keeps everything that moves in the picture; see `camera.framed`."""
         every = np.unique(np.linspace(0, self.frames - 1, _FRAMING_POSES).astype(int))
-        held, points = meshes.outline(self.model)
+        held, points = meshes.outline(self.model, self.props)
         seen = self._points(self.qpos[every], held, points)
+        loose = np.isin(held, self.props)
+        if loose.any():
+            # A ball that rolls away, or the far end of a long table, does not shrink the picture.
+            path = np.broadcast_to(self.path[every][:, None], seen.shape)
+            apart = np.linalg.norm(seen[..., :2] - path[..., :2], axis=-1)
+            seen = np.where((loose & (apart > _NEAR))[..., None], path, seen)
         if self.ghost is not None:
             chosen = np.isin(held, self.ghost_bodies)
             ghost = self._points(self.ghost[every], held[chosen], points[chosen])
@@ -202,6 +211,15 @@ def playback(thing: Take | Clip, *, rate: float = 30.0) -> Playback:
     if isinstance(thing, Take):
         return _of_take(thing, rate)
     raise InvalidValue(f"{type(thing).__name__} cannot be shown; give a Take or a Clip.")
+
+
+def props_of(take: Take) -> tuple[int, ...]:
+    """Bodies of a take that are no performer's and that no performer holds."""
+    model = take.model
+    performing = {0: False} | {body: True for part in take.scene.parts for body in part.bodies}
+    for body in range(1, model.nbody):  # the engine numbers parents before children
+        performing.setdefault(body, performing[int(model.body_parentid[body])])
+    return tuple(body for body in range(1, model.nbody) if not performing[body])
 
 
 def sampled(clip: Clip, times: Array) -> tuple[Array, Array]:
@@ -247,6 +265,7 @@ def _of_take(take: Take, rate: float) -> Playback:
         ghost_bodies=tuple(bodies),
         roots=tuple(part.qpos.start for part in take.scene.parts),
         ghost_roots=tuple(ghost_roots),
+        props=props_of(take),
         name=" + ".join(named) or " + ".join(c.name for c in take.scene.characters),
     )
 

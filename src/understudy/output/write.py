@@ -123,10 +123,14 @@ def _npz(thing: Take | Clip, path: _Path, character: int) -> None:
 
 
 def _glb(thing: Take | Clip, path: _Path, character: int) -> None:
-    from understudy.output.gltf import write_glb
+    from understudy.output.gltf import solids_of, write_glb
 
-    body = None if isinstance(thing, Clip) else thing.scene.characters[character]
-    write_glb(_clip(thing, character), path, character=body)
+    if isinstance(thing, Clip):
+        write_glb(thing, path)
+        return
+    clip = thing.clip(character)
+    solids = solids_of(thing, character, rate=clip.rate)
+    write_glb(clip, path, character=thing.scene.characters[character], solids=solids)
 
 
 def _html(thing: Take | Clip, path: _Path, character: int) -> None:
