@@ -1,0 +1,1 @@
+"""Zordan & Hodgins 1999: its figures with simulations, run again."""
