@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from numbers import Real
+from typing import Any, cast
 
 import numpy as np
 
@@ -98,7 +99,9 @@ def tracked(
     expect(character, Character, "character", "a Character, as `Character.from_clip` gives")
     _check_names(tracked, Tracking, settings)
     clean = clip.repaired()
-    reference = planted(standing(retargeted(clean, character), character), character)
+    floor = None if ground is None or ground.level else ground
+    reference = standing(retargeted(clean, character), character, ground=floor)
+    reference = planted(reference, character, ground=floor)
     doubts = [note for note in size_doubts(character.height) if note in character.notes]
     if doubts:
         reference = reference.noted(*doubts)
@@ -177,9 +180,10 @@ def together(
     first = 0
     for one in performances:
         for controller in one.controllers:
-            who = getattr(controller, "character", None)
-            moved = who is not None and first > 0
-            controllers.append(replace(controller, character=who + first) if moved else controller)
+            who: Any = getattr(controller, "character", None)
+            if who is not None and first > 0:
+                controller = replace(cast(Any, controller), character=who + first)
+            controllers.append(controller)
         shifted = _renamed(one.scene, first)
         every += shifted[0]
         touching += shifted[1]
@@ -202,7 +206,7 @@ def _renamed(scene: Scene, first: int) -> tuple[list[Prop], list[tuple[str, str]
     """Props and contacts of a scene whose characters become number `first` and following."""
     if first == 0:
         return list(scene.props), [] if scene.contacts == "all" else list(scene.contacts)
-    names = {prop.name for prop in scene.props}
+    names = {getattr(prop, "name", "") for prop in scene.props}
     links = {link.name for link in scene.characters[0].links}
 
     def moved(name: str) -> str:
@@ -212,10 +216,10 @@ def _renamed(scene: Scene, first: int) -> tuple[list[Prop], list[tuple[str, str]
         number = first + (ord(old) - ord("a") if old else 0)
         return f"{chr(ord('a') + number)}/{own}" if old or own in links else name
 
-    props = []
+    props: list[Prop] = []
     for prop in scene.props:
         holder = getattr(prop, "held_by", None)
-        props.append(replace(prop, held_by=moved(holder)) if holder else prop)  # type: ignore[type-var]
+        props.append(replace(cast(Any, prop), held_by=moved(holder)) if holder else prop)
     pairs = [] if scene.contacts == "all" else [(moved(a), moved(b)) for a, b in scene.contacts]
     return props, pairs
 

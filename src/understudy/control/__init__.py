@@ -13,6 +13,9 @@ from understudy.control.controller import (
 )
 from understudy.control.disturbance import Disturbance, Push, Throw
 from understudy.control.drive import Drive
+from understudy.control.give_way import GiveWay
+from understudy.control.look_at import LookAt
+from understudy.control.reach import HandOn, Reach
 from understudy.control.task import Task
 from understudy.control.tracking import Tracking
 from understudy.control.upright import Upright
@@ -24,9 +27,13 @@ __all__ = [
     "Disturbance",
     "Drive",
     "EngineState",
+    "GiveWay",
+    "HandOn",
+    "LookAt",
     "OpenLoop",
     "Push",
     "PythonController",
+    "Reach",
     "Task",
     "Throw",
     "Tracking",

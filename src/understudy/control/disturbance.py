@@ -174,8 +174,8 @@ def _body(model: mujoco.MjModel, name: str, who: str) -> int:
 
 
 def _positive(value: object, name: str, unit: str, *, zero: bool = False) -> None:
-    good = isinstance(value, Real) and (0.0 <= value if zero else 0.0 < value) and value < math.inf
-    if not good:
+    number = float(value) if isinstance(value, Real) else math.nan
+    if not ((number >= 0.0 if zero else number > 0.0) and number < math.inf):
         least = "zero or positive" if zero else "positive"
         raise InvalidValue(f"{name} is {shown(value)} {unit}; it must be {least}.")
 

@@ -172,6 +172,20 @@ def joint_rows(scene: Scene, model: mujoco.MjModel, character: int, joints: Sequ
     return out
 
 
+def site_number(model: mujoco.MjModel, name: str, who: str) -> int:
+    """Number of a named site.
+
+    Raises:
+        UnknownName: The scene has no such site; the text suggests the nearest.
+    """
+    kind = mujoco.mjtObj.mjOBJ_SITE
+    number = mujoco.mj_name2id(model, kind, name)
+    if number < 0:
+        names = (mujoco.mj_id2name(model, kind, k) for k in range(model.nsite))
+        raise UnknownName(f"site for {who}", name, [n for n in names if n])
+    return number
+
+
 # -- parts of laws -----------------------------------------------------------------------------
 
 

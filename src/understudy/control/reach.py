@@ -1,0 +1,367 @@
+"""Hands where they are wanted: reaching a target, and resting on a surface.
+
+A task controller in the sense of Zordan & Hodgins 1999, section 4.2, where section 5.1 changes the
+clip beforehand: at every step the arm is bent, from where the simulated shoulder really is, so that
+the palm is at the target. The elbow stays in the plane the clip has it in, and the hand keeps the
+clip's orientation or faces the surface.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from understudy.character import Character
+from understudy.control.quaternion import (
+    arc,
+    between,
+    composed,
+    exponential,
+    inverse,
+    mixed,
+    orientation,
+    quaternion_at,
+    rotated,
+)
+from understudy.control.reference import sampled
+from understudy.control.task import (
+    JOINT,
+    TIMES,
+    Task,
+    commanded,
+    gravity_torque,
+    joint_rows,
+    put,
+    site_number,
+    weight_at,
+)
+from understudy.errors import InvalidValue
+from understudy.motion import rotations as rot
+from understudy.motion.clip import Clip
+from understudy.motion.rotations import Array
+from understudy.motion.skeleton import frozen_array
+from understudy.scene import Scene
+
+_BEND = (0.0, 0.0, 1.0)  # a straight arm bends about this axis of the upper arm
+_PALM = (0.0, 0.0, -1.0)  # where a palm faces, in the hand's frame
+_SMOOTHING = 0.004  # of the speed with which the wanted pose changes [s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reach(Task):
+    """Brings the palm of a hand to a target and keeps it there.
+
+    Attributes:
+        hand: "left" or "right".
+        target: A point [m], world, 3 numbers, or a named site of the scene such as "drum/skin",
+            which may move.
+        facing: World direction the palm is to face, 3 numbers; None keeps the clip's orientation.
+        reference: The clip the character tracks; `tracked` fills it in.
+    """
+
+    hand: str = "right"
+    target: str | tuple[float, float, float]
+    facing: tuple[float, float, float] | None = None
+    reference: Clip | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.hand not in ("left", "right"):
+            raise InvalidValue(f"{self.kind}: hand is {self.hand!r}; it must be 'left' or 'right'.")
+        if not isinstance(self.target, str):
+            point = frozen_array(self.target, (3,), f"{self.kind}: target")
+            object.__setattr__(self, "target", tuple(point.tolist()))
+        if self.facing is not None:
+            facing = frozen_array(self.facing, (3,), f"{self.kind}: facing")
+            if np.linalg.norm(facing) < 1e-9:
+                raise InvalidValue(f"{self.kind}: facing is zero; it must be a direction.")
+            object.__setattr__(self, "facing", tuple(facing.tolist()))
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Shoulder, elbow and wrist."""
+        return tuple(f"{self.hand}_{part}" for part in ("shoulder", "elbow", "wrist"))
+
+    @property
+    def pressing(self) -> tuple[float, float, float]:
+        """Force of the hand on what it reaches [N], world."""
+        return (0.0, 0.0, 0.0)
+
+    def fitted(self, reference: Clip, body: Character) -> tuple[Reach, Clip]:
+        """The task with the reference it bends.
+
+        Raises:
+            UnknownName: The body lacks the arm.
+            InvalidValue: The target is a point, and too far away; says how far.
+        """
+        self.check_joints(body)
+        if not isinstance(self.target, str):
+            self._check_reach(np.array(self.target), reference, body)
+        return replace(self, reference=reference), reference
+
+    def configure(self, scene: Scene, model: mujoco.MjModel) -> None:
+        """Check the joints, and a target that stands still.
+
+        Raises:
+            UnknownName: The scene has no such site, or the character lacks the arm.
+            InvalidValue: The target is too far away, or the task was given no reference.
+        """
+        super().configure(scene, model)
+        if self.reference is None:
+            raise InvalidValue(f"{self.kind} needs the clip; give it to `tracked` as a task.")
+        if isinstance(self.target, str):
+            site = site_number(model, self.target, self.kind)
+            if model.body_weldid[model.site_bodyid[site]] == 0:
+                data = mujoco.MjData(model)
+                mujoco.mj_kinematics(model, data)
+                body = scene.characters[self.character]
+                self._check_reach(data.site_xpos[site], self.reference, body)
+
+    def feedback(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
+        """The law, with the clip's arm at every step, and what it wanted last."""
+        assert self.reference is not None
+        body, prefix = scene.characters[self.character], scene.parts[self.character].prefix
+        site, point = -1.0, np.zeros(3)
+        if isinstance(self.target, str):
+            site = float(site_number(model, self.target, self.kind))
+        else:
+            point = np.array(self.target)
+        palm = model.site_pos[site_number(model, f"{prefix}{self.hand}_palm", self.kind)]
+        facing = np.zeros(3) if self.facing is None else np.array(self.facing)
+        last = round(self.reference.duration / scene.timestep)
+        times = np.arange(last + 1) * scene.timestep
+        arm = [body.index(joint) for joint in self.joints]
+        rotations = sampled(self.reference, times).rotations[:, arm]
+        head = (*self.times, scene.timestep, last, site, *point, *palm, *facing, *self.pressing)
+        wrist = model.body_jntadr[scene.parts[self.character].bodies[arm[2]]]
+        stop = float(model.jnt_range[wrist, 1]) if model.jnt_limited[wrist] else np.pi
+        lengths = [float(np.linalg.norm(body.links[i].offset)) for i in arm[1:]]
+        rows = joint_rows(scene, model, self.character, self.joints)
+        memory = np.zeros(1 + 3 * 7)
+        return (
+            _law,
+            np.concatenate((head, (0.95 * stop,), lengths, rows.ravel(), rotations.ravel())),
+            memory,
+        )
+
+    def _check_reach(self, target: Array, reference: Clip, body: Character) -> None:
+        """Refuse a target that the arm cannot reach while the task has taken over."""
+        arm = [body.index(joint) for joint in self.joints]
+        pose = reference.forward_kinematics()
+        times = reference.times
+        first, last = self.span[0] + self.ease, self.span[1] - self.ease
+        inside = np.flatnonzero((times >= first - 1e-9) & (times <= last + 1e-9))
+        if not len(inside):
+            return
+        shoulder = pose.positions[inside, arm[0]]
+        palm = _palm_of(body, self.hand)
+        hand = pose.rotations[inside, arm[2]]
+        wrist = target - rot.rotate(hand, palm)
+        if self.facing is not None:
+            now = rot.rotate(hand, np.array(_PALM))
+            turned = rot.multiply(rot.shortest_arc(now, np.array(self.facing)), hand)
+            wrist = target - rot.rotate(turned, palm)
+        away = np.linalg.norm(wrist - shoulder, axis=1)
+        reach = float(sum(np.linalg.norm(body.links[i].offset) for i in arm[1:]))
+        worst = int(np.argmax(away))
+        if away[worst] > reach:
+            raise InvalidValue(
+                f"{self.kind}: at {times[inside[worst]]:.2f} s the {self.hand} wrist would have to "
+                f"be {away[worst]:.2f} m from the shoulder; the arm reaches {reach:.2f} m. Bring "
+                f"the target {away[worst] - reach:.2f} m nearer, or change the span."
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandOn(Reach):
+    """Lays a palm on a surface and presses.
+
+    Attributes:
+        hand, target: As for `Reach`; the target is the point of the surface under the palm.
+        normal: Out of the surface, world, 3 numbers.
+        force: How hard to press [N].
+        thickness: From the middle of the hand to the palm's skin [m].
+    """
+
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    force: float = 10.0
+    thickness: float = 0.015
+
+    def __post_init__(self) -> None:
+        normal = frozen_array(self.normal, (3,), "HandOn: normal")
+        length = float(np.linalg.norm(normal))
+        if length < 1e-9:
+            raise InvalidValue("HandOn: normal is zero; it must point out of the surface.")
+        object.__setattr__(self, "normal", tuple((normal / length).tolist()))
+        object.__setattr__(self, "facing", tuple((-normal / length).tolist()))
+        for name, most in (("force", 1e3), ("thickness", 0.1)):
+            value = getattr(self, name)
+            if not 0.0 <= value <= most:
+                raise InvalidValue(f"HandOn: {name} is {value}; it must lie in 0 to {most:g}.")
+        super().__post_init__()
+
+    @property
+    def pressing(self) -> tuple[float, float, float]:
+        """Force of the hand on the surface [N], world."""
+        x, y, z = self.normal
+        return -self.force * x, -self.force * y, -self.force * z
+
+
+def _palm_of(body: Character, hand: str) -> Array:
+    """The middle of the palm in the hand's frame [m]; the model's site of that name."""
+    reach = 0.05 * body.height
+    return np.array([0.0, reach if hand == "left" else -reach, 0.0])
+
+
+# Places in the parameters after begin, end and ease.
+_DT, _LAST, _SITE, _POINT, _AT_PALM, _FACING, _FORCE, _STOP, _LENGTHS, _ROWS = (
+    TIMES + k for k in (0, 1, 2, 3, 6, 9, 12, 15, 16, 18)
+)
+_CLIP = _ROWS + 3 * JOINT
+
+
+def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
+    """Bend the arm of the clip to the target; hold its weight; press."""
+    weight = weight_at(time, parameters)
+    if weight == 0.0:
+        memory[0] = 0.0
+        return
+    dt = parameters[_DT]
+    step = min(int(time / dt + 0.5), int(parameters[_LAST]))
+    upper_row, lower_row, hand_row = _ROWS, _ROWS + JOINT, _ROWS + 2 * JOINT
+    at = _CLIP + 12 * step
+    chest = orientation(state.xquat, int(parameters[upper_row + 1]))
+    # The clip's arm on the simulated shoulder.
+    upper = composed(chest, quaternion_at(parameters, at))
+    lower = composed(upper, quaternion_at(parameters, at + 4))
+    hand = composed(lower, quaternion_at(parameters, at + 8))
+    shoulder_body = int(parameters[upper_row])
+    shoulder = (
+        state.xpos[shoulder_body, 0],
+        state.xpos[shoulder_body, 1],
+        state.xpos[shoulder_body, 2],
+    )
+    side = -1.0 if parameters[_AT_PALM + 1] < 0.0 else 1.0
+    a, b = parameters[_LENGTHS], parameters[_LENGTHS + 1]
+    ux, uy, uz = rotated(upper, (0.0, side * a, 0.0))
+    lx, ly, lz = rotated(lower, (0.0, side * b, 0.0))
+    palm = (parameters[_AT_PALM], parameters[_AT_PALM + 1], parameters[_AT_PALM + 2])
+    # Where the palm is to be, and how turned: on the way from the clip's to the target's.
+    wanted_hand = faced(hand, parameters, weight)
+    px, py, pz = rotated(hand, palm)
+    goal = target_of(state, parameters)
+    gx = (1.0 - weight) * (shoulder[0] + ux + lx + px) + weight * goal[0]
+    gy = (1.0 - weight) * (shoulder[1] + uy + ly + py) + weight * goal[1]
+    gz = (1.0 - weight) * (shoulder[2] + uz + lz + pz) + weight * goal[2]
+    most, first, second = parameters[_STOP], upper, lower
+    for _ in range(3):
+        # The palm goes first: a wrist that would turn past its stop gives up the orientation.
+        px, py, pz = rotated(wanted_hand, palm)
+        wx, wy, wz = gx - px - shoulder[0], gy - py - shoulder[1], gz - pz - shoulder[2]
+        upper, lower = bent(first, second, (ux, uy, uz), (lx, ly, lz), (wx, wy, wz), a, b)
+        x, y, z = between(lower, wanted_hand)
+        angle = math.sqrt(x * x + y * y + z * z)
+        if angle <= most:
+            break
+        share = most / angle
+        wanted_hand = composed(lower, exponential(share * x, share * y, share * z))
+    wanted = (
+        composed(inverse(chest), upper),
+        composed(inverse(upper), lower),
+        composed(inverse(lower), wanted_hand),
+    )
+    for k in range(3):
+        row = _ROWS + JOINT * k
+        ahead = changing(memory, 1 + 7 * k, wanted[k], memory[0] > 0.0, dt)
+        body = int(parameters[row])
+        kd = parameters[row + 6]
+        tx, ty, tz = gravity_torque(state, body, parameters[row + 7])
+        fx, fy, fz = leverage(state, body, (goal[0], goal[1], goal[2]), parameters)
+        torque = (
+            tx + kd * ahead[0] + weight * fx,
+            ty + kd * ahead[1] + weight * fy,
+            tz + kd * ahead[2] + weight * fz,
+        )
+        command = commanded(state, parameters, row, wanted[k], torque)
+        put(ctrl, parameters, row, command, weight)
+    memory[0] = 1.0
+
+
+def target_of(state, parameters):  # type: ignore[no-untyped-def]
+    """The target's place now [m]."""
+    site = int(parameters[_SITE])
+    if site >= 0:
+        return state.site_xpos[site, 0], state.site_xpos[site, 1], state.site_xpos[site, 2]
+    return parameters[_POINT], parameters[_POINT + 1], parameters[_POINT + 2]
+
+
+def faced(hand, parameters, weight):  # type: ignore[no-untyped-def]
+    """The hand's world orientation, its palm turned to where it is to face."""
+    x, y, z = parameters[_FACING], parameters[_FACING + 1], parameters[_FACING + 2]
+    if x == 0.0 and y == 0.0 and z == 0.0:
+        return hand
+    nx, ny, nz = rotated(hand, _PALM)
+    return mixed(hand, composed(arc(nx, ny, nz, x, y, z), hand), weight)
+
+
+def bent(upper, lower, u, v, wanted, a, b):  # type: ignore[no-untyped-def]
+    """World orientations of upper arm and forearm that bring the wrist to `wanted`.
+
+    `u` and `v` are the arm's two bones now, `wanted` the wrist from the shoulder, all world [m];
+    `a` and `b` the bones' lengths. The arm opens or closes in its own plane and then swings.
+    """
+    now = math.sqrt((u[0] + v[0]) ** 2 + (u[1] + v[1]) ** 2 + (u[2] + v[2]) ** 2)
+    far = math.sqrt(wanted[0] ** 2 + wanted[1] ** 2 + wanted[2] ** 2)
+    far = min(max(far, abs(a - b) + 1e-4), 0.9995 * (a + b))
+    fold = bend_at(far, a, b) - bend_at(min(now, a + b), a, b)
+    nx, ny, nz = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+    size = math.sqrt(nx * nx + ny * ny + nz * nz)
+    # A straight arm bends about its own axis.
+    hx, hy, hz = rotated(upper, _BEND)
+    if u[0] * v[1] == 0.0 and size == 0.0:
+        nx, ny, nz, size = hx, hy, hz, 1.0
+    share = min(1.0, size / (0.05 * a * b))
+    if nx * hx + ny * hy + nz * hz < 0.0:
+        hx, hy, hz = -hx, -hy, -hz
+    nx = share * nx / size + (1.0 - share) * hx
+    ny = share * ny / size + (1.0 - share) * hy
+    nz = share * nz / size + (1.0 - share) * hz
+    size = max(math.sqrt(nx * nx + ny * ny + nz * nz), 1e-12)
+    turn = exponential(fold * nx / size, fold * ny / size, fold * nz / size)
+    x, y, z = rotated(turn, v)
+    swing = arc(u[0] + x, u[1] + y, u[2] + z, wanted[0], wanted[1], wanted[2])
+    return composed(swing, upper), composed(swing, composed(turn, lower))
+
+
+def bend_at(distance, a, b):  # type: ignore[no-untyped-def]
+    """Angle between two bones of lengths a and b when their ends are so far apart [rad]."""
+    cosine = (distance * distance - a * a - b * b) / (2.0 * a * b)
+    return math.acos(min(1.0, max(-1.0, cosine)))
+
+
+def changing(memory, at, wanted, known, dt):  # type: ignore[no-untyped-def]
+    """How fast what is wanted of a joint changes [rad/s], in its frame, smoothed; remembers it."""
+    if known:
+        x, y, z = between(quaternion_at(memory, at), wanted)
+        share = dt / (dt + _SMOOTHING)
+        memory[at + 4] += share * (x / dt - memory[at + 4])
+        memory[at + 5] += share * (y / dt - memory[at + 5])
+        memory[at + 6] += share * (z / dt - memory[at + 6])
+    else:
+        memory[at + 4], memory[at + 5], memory[at + 6] = 0.0, 0.0, 0.0
+    memory[at], memory[at + 1], memory[at + 2], memory[at + 3] = wanted
+    return memory[at + 4], memory[at + 5], memory[at + 6]
+
+
+def leverage(state, body, goal, parameters):  # type: ignore[no-untyped-def]
+    """Torque about a joint with which the hand presses at the goal, in the joint's frame [N m]."""
+    fx, fy, fz = parameters[_FORCE], parameters[_FORCE + 1], parameters[_FORCE + 2]
+    x = goal[0] - state.xpos[body, 0]
+    y = goal[1] - state.xpos[body, 1]
+    z = goal[2] - state.xpos[body, 2]
+    arm = (y * fz - z * fy, z * fx - x * fz, x * fy - y * fx)
+    return rotated(inverse(orientation(state.xquat, body)), arm)
