@@ -37,6 +37,7 @@ ROUNDS = 3
 # On uneven ground the lowest point within this time [s] is on it; the body goes up and down more
 # slowly than the feet [s], and a foot in stance may be further off before it is planted [m].
 DRIFT, UNEVEN_SMOOTHING, UNEVEN_HEIGHT = 0.3, 0.4, 0.08
+EDGE = 0.04  # This near the edge of a step [m] a point may stand in front of it.
 STANDS = 0.003  # A floor found this near z = 0 [m] is z = 0, and so is a foot moved by less.
 MOST_SHIFT = 0.1  # A foot further off than this is not there by accident [m].
 MOST_LIFT = 0.6  # Hands of a body with long arms may hang this far below the floor [m].
@@ -45,6 +46,7 @@ PLANTED_SPEED = 0.7  # and slides no faster [m/s].
 PLANT_SMOOTHING = 0.04  # [s].
 # A foot swinging by at twice that speed or more passes at least this high over the floor [m].
 CLEARANCE = 0.015
+_UP = np.array([0.0, 0.0, 1.0])
 _LEG, _ARM = ("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")
 # Axes a straight limb bends about, in its upper link's frame: a knee's, and an elbow's in T-pose.
 _LATERAL, _VERTICAL = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -118,7 +120,9 @@ def standing(
         smooth, part = UNEVEN_SMOOTHING, 0.9
         # Walking level over a slope, a clip is off the floor by more and more.
         window = 2 * round(DRIFT * clip.rate) + 1
-        near = minimum_filter1d(heights.min(axis=1), window, mode="nearest")[:, None]
+        lows = np.where(slow, heights, np.inf).min(axis=1)
+        lows = np.where(np.isfinite(lows), lows, heights.min(axis=1))
+        near = minimum_filter1d(lows, window, mode="nearest")[:, None]
     resting = slow & (heights < near + LOW)
     known = resting.any(axis=1)
     if known.sum() < 3:
@@ -164,11 +168,13 @@ def planted(clip: Clip, character: Character, *, ground: Floor | None = None) ->
             if not points or any(name not in joints for name in names):
                 continue
             places = np.stack(points, axis=1)
+            swinging = places
             if ground is not None:
-                places[..., 2] -= ground.height(places)
+                swinging = places - ground.height(places)[..., None] * _UP
+                places[..., 2] -= _under(ground, places)
             if part == "feet":
                 low = PLANTED_HEIGHT if ground is None else UNEVEN_HEIGHT
-                shift = _planting(places, clip.rate, low)
+                shift = _planting(places, swinging, clip.rate, low)
             else:
                 shift = np.zeros((clip.frames, 3))
                 shift[:, 2] = _rise(-places[..., 2].min(axis=1), clip.rate, most=MOST_LIFT)
@@ -187,11 +193,12 @@ def planted(clip: Clip, character: Character, *, ground: Floor | None = None) ->
     return replace(clip, rotations=local, notes=(*clip.notes, *notes)) if notes else clip
 
 
-def _planting(places: Array, rate: float, low: float) -> Array:
+def _planting(places: Array, swinging: Array, rate: float, low: float) -> Array:
     """How to move a foot [m], shape (frames, 3), from the paths of its sole points.
 
     `places` has shape (frames, points, 3), the lowest point of each sphere, its z over
-    the floor. A point in stance is lower than `low` [m].
+    the floor. A point in stance is lower than `low` [m]. `swinging` is the same over every edge: a
+    foot in swing passes above it.
     """
     frames = np.arange(len(places))
     lowest = places[..., 2].argmin(axis=1)
@@ -214,7 +221,8 @@ def _planting(places: Array, rate: float, low: float) -> Array:
     # corner in the path.
     swing = np.linalg.norm(velocity, axis=1) / PLANTED_SPEED - 1.0
     clear = CLEARANCE * np.clip(swing, 0.0, 1.0)
-    shift[:, 2] += _rise(clear - (places[..., 2].min(axis=1) + shift[:, 2]), rate)
+    lowest = np.where(spans > 0, places[..., 2].min(axis=1), swinging[..., 2].min(axis=1))
+    shift[:, 2] += _rise(clear - (lowest + shift[:, 2]), rate)
     return shift
 
 
@@ -340,6 +348,20 @@ def _tilted(clip: Clip, character: Character, ground: Floor) -> Clip:
     return clip if same else replace(clip, rotations=local)
 
 
+def _under(ground: Floor, places: Array) -> Array:
+    """Height of the ground under points [m]; by the edge of a step, that of the lower tread.
+
+    A toe that a captured clip puts a little into a riser stands in front of it.
+    """
+    here = ground.height(places)
+    around = [
+        ground.height(places[..., :2] + EDGE * np.array(way))
+        for way in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+    ]
+    low = np.min(around, axis=0)
+    return np.where(here - low > EDGE, low, here)
+
+
 def _sole_motion(
     clip: Clip, character: Character, shifts: Array | None, ground: Floor | None = None
 ) -> tuple[Array, np.ndarray]:
@@ -351,7 +373,7 @@ def _sole_motion(
         place = pose.positions[:, link] + rot.rotate(pose.rotations[:, link], at)
         speed = np.linalg.norm(derivative(place, clip.rate, smoothing=0.075), axis=1)
         low = place[:, 2] - radius
-        heights.append(low if ground is None else low - ground.height(place))
+        heights.append(low if ground is None else low - _under(ground, place))
         slow.append(speed < SLOW)
     return np.stack(heights, axis=1), np.stack(slow, axis=1)
 
