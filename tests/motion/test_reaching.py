@@ -14,6 +14,7 @@ from understudy.motion.arm import arm_of, palm
 from understudy.motion.clip import Clip
 from understudy.motion.figure import figure
 from understudy.motion.reaching import HandTarget, Meet, meeting, reach, reaching
+from understudy.motion.read import read
 
 
 @pytest.fixture(scope="module")
@@ -225,6 +226,19 @@ def test_they_meet_half_way_where_both_reach_easily(pair):
     assert max(moved) < np.linalg.norm(before[0] - before[1]) + 0.3
 
 
+def test_hands_that_meet_only_outstretched_are_turned_as_far_as_it_takes(pair):
+    first, second = pair
+    shoulders = [c.skeleton.index(f"{s}_shoulder") for c, s in ((first, "right"), (second, "left"))]
+    reaches = [arm_of(c, f"{s}_wrist") for c, s in ((first, "right"), (second, "left"))]
+    apart = 0.94 * sum(arm.reach(arm.hand) for arm in reaches)
+    ends = [c.forward_kinematics().positions[240, j] for c, j in zip(pair, shoulders, strict=True)]
+    way = apart * np.array([1.0, 0.0, 0.0]) - (ends[1] - ends[0])
+    second = second.placed(at=second.root_positions[0, :2] + way[:2])
+    a, b = meeting(first, second, [Meet(time=2.0)])
+    palms = [hand(a, 2.0)[0], hand(b, 2.0, "left_wrist")[0]]
+    assert np.linalg.norm(palms[0] - palms[1]) == pytest.approx(0.005, abs=0.002)
+
+
 def test_a_meeting_can_be_given_its_place(pair):
     spot = 0.5 * (hand(pair[0], 2.0)[0] + hand(pair[1], 2.0)[0])
     spot = spot * [0.0, 0.0, 1.0] + [*(0.5 * sum(c.root_positions[240, :2] for c in pair)), 0.0]
@@ -257,3 +271,25 @@ def test_bodies_of_other_sizes_clap_to_an_adults_clip(gesture):
     for time in (1.5, 2.0, 2.5):
         apart = hand(a, time)[0] - hand(b, time, "left_wrist")[0]
         assert np.linalg.norm(apart) == pytest.approx(0.005, abs=0.002)
+
+
+@pytest.mark.clips
+@pytest.mark.parametrize(
+    ("file", "wrist"),
+    [
+        ("cmu_bvh/02_01.bvh", "RightHand"),
+        ("cmu_3dsmax_bvh/131_01.bvh", "rhand"),
+        ("cmu_asfamc/02_01.amc", "rwrist"),
+        ("cmu_daz_bvh/02_01.bvh", "rHand"),
+        ("other_bvh/dab.bvh", "RightHand"),
+    ],
+)
+def test_hands_of_captured_skeletons_are_placed(clips, file, wrist):
+    clip = read(clips / file)
+    place, _ = hand(clip, 1.0, wrist)
+    shoulder = arm_of(clip, wrist).joints[0]
+    start = clip.forward_kinematics().positions[round(clip.rate), shoulder]
+    target = HandTarget(time=1.0, joint=wrist, position=place + 0.15 * (start - place))
+    out, (what,) = reach(clip, [target])
+    assert np.linalg.norm(hand(out, 1.0, wrist)[0] - target.position) < 0.002
+    assert what.turned < np.radians(2.0)

@@ -7,7 +7,9 @@ import pytest
 
 from understudy.errors import InvalidValue
 from understudy.motion import edits, samples
+from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
+from understudy.motion.read import read
 from understudy.motion.transitions import transitions
 
 
@@ -73,3 +75,20 @@ def test_feet_of_opposite_sides_cost_more(walk):
 def test_senseless_searches_are_refused(walk, options, text):
     with pytest.raises(InvalidValue, match=text):
         transitions(walk, walk, **options)
+
+
+@pytest.mark.clips
+@pytest.mark.parametrize(("first", "second"), [("02_01", "02_03"), ("35_01", "35_17")])
+def test_real_clips_go_over_into_each_other_without_haste(clips, first, second):
+    a, b = (read(clips / "cmu_bvh" / f"{name}.bvh").repaired() for name in (first, second))
+    hands = [a.skeleton.index(name) for name in ("LeftHand", "RightHand")]
+
+    def peak(clip: Clip) -> float:
+        places = clip.forward_kinematics().positions[:, hands]
+        return float(np.linalg.norm(np.diff(places, axis=0), axis=-1).max() * clip.rate)
+
+    for t in transitions(a, b, count=3):
+        out = a.spliced(b, at=t.time_a, start=t.time_b)
+        assert peak(out) <= 1.3 * max(peak(a), peak(b))
+        turns = [rot.angle_between(c.rotations[1:], c.rotations[:-1]).max() for c in (out, a, b)]
+        assert turns[0] < max(turns[1:]) + np.radians(3.0)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from understudy.errors import InvalidValue, expect, shown
 from understudy.motion import rotations as rot
-from understudy.motion.arm import Arm, Posture, arm_of, moved, palm, place, posture, solved
+from understudy.motion.arm import Arm, Posture, arm_of, moved, place, posture, solved
 from understudy.motion.clip import Clip
 from understudy.motion.edits import SPEEDS, sampled
 from understudy.motion.rotations import Array
@@ -26,6 +26,8 @@ from understudy.motion.skeleton import frozen_array
 
 # Paper: the hand is at its place; less than this off [m] is there.
 MISS = 0.002
+# Frames on either side that decide a pose between frames.
+AROUND = 12
 # The hand of an arm this near to straight hardly obeys: two hands meet within this part of reach.
 EASY = 0.97
 
@@ -107,6 +109,7 @@ class Meet:
         _check_times(self.time, self.window)
         if not (len(self.hands) == 2 and all(isinstance(hand, str) for hand in self.hands)):
             raise InvalidValue(f"hands is {shown(self.hands)}; it must be two names of wrists.")
+        object.__setattr__(self, "hands", tuple(self.hands))
         if not (isinstance(self.apart, Real) and 0.0 <= self.apart <= 1.0):
             raise InvalidValue(f"apart is {shown(self.apart)}; it must lie in 0 to 1 m.")
         if self.position is not None:
@@ -183,10 +186,9 @@ def meeting(clip_a: Clip, clip_b: Clip, meets: Iterable[Meet]) -> tuple[Clip, Cl
     first, second = [], []
     for meet in meets:
         expect(meet, Meet, "meet", "a Meet")
-        sides = [
-            _at(clip, arm_of(clip, joint), joint, meet.time, None)
-            for clip, joint in zip((clip_a, clip_b), meet.hands, strict=True)
-        ]
+        clips = (clip_a, clip_b)
+        arms = [arm_of(clip, joint) for clip, joint in zip(clips, meet.hands, strict=True)]
+        sides = [(arm, _at(clip, arm, meet.time)) for clip, arm in zip(clips, arms, strict=True)]
         palms = [place(arm, pose) for arm, pose in sides]
         way = palms[1] - palms[0]
         if np.linalg.norm(way) < 1e-3:
@@ -206,13 +208,18 @@ def meeting(clip_a: Clip, clip_b: Clip, meets: Iterable[Meet]) -> tuple[Clip, Cl
 # -- one target -------------------------------------------------------------------------------
 
 
-def _at(
-    clip: Clip, arm: Arm, joint: str, time: float, point: ArrayLike | None
-) -> tuple[Arm, Posture]:
-    """The arm of a clip at a time [s]."""
-    local, root = sampled(clip, [time])
-    where = palm(clip.skeleton, joint) if point is None else np.asarray(point, float)
-    return arm, posture(arm, clip.skeleton, local[0], root[0], where)
+def _at(clip: Clip, arm: Arm, time: float, point: ArrayLike | None = None) -> Posture:
+    """The arm of a clip at a time [s]; `point` in the wrist's frame, by default the palm."""
+    # A spline forgets a frame within a dozen others, to a ten-millionth: no need of the whole clip.
+    first = max(0, min(int(time * clip.rate), clip.frames - 1) - AROUND)
+    part = replace(
+        clip,
+        rotations=clip.rotations[first : first + 2 * AROUND + 2],
+        root_positions=clip.root_positions[first : first + 2 * AROUND + 2],
+    )
+    local, root = sampled(part, [time - first / clip.rate])
+    where = arm.hand if point is None else np.asarray(point, float)
+    return posture(arm, clip.skeleton, local[0], root[0], where)
 
 
 def _check_order(clip: Clip, targets: Sequence[HandTarget]) -> None:
@@ -226,7 +233,7 @@ def _check_order(clip: Clip, targets: Sequence[HandTarget]) -> None:
 
 def _offset(clip: Clip, arm: Arm, target: HandTarget) -> tuple[Array, Reached]:
     """Rotation vectors (3, 3) that meet a target at its time, and how well they do."""
-    _, before = _at(clip, arm, target.joint, target.time, target.point)
+    before = _at(clip, arm, target.time, target.point)
     goal = np.asarray(target.position, float)
     distance = float(np.linalg.norm(goal - before.shoulder))
     length = arm.reach(before.point)
@@ -267,30 +274,39 @@ def _weights(times: Array, targets: Sequence[HandTarget]) -> Array:
 def _between(sides: list[tuple[Arm, Posture]], palms: list[Array], meet: Meet) -> Array:
     """The place nearest to the middle of two palms that both reach easily [m], (3,).
 
-    A hand that keeps its orientation reaches a ball about the shoulder, shifted by the hand.
+    A hand that keeps its orientation reaches a ball about the shoulder, shifted by the hand; where
+    those of two bodies do not touch, hands are stretched out as well.
     """
-    balls = []
+    kept, stretched = [], []
     for arm, pose in sides:
         bones = float(np.linalg.norm(arm.upper) + np.linalg.norm(arm.lower))
-        room = EASY * bones - 0.5 * meet.apart
-        balls.append((pose.shoulder + pose.hand() @ pose.point, room))
-    spot = 0.5 * (palms[0] + palms[1])
-    # Dykstra's projections onto the two balls in turn lead to the nearest point of both.
-    left = [np.zeros(3), np.zeros(3)]
-    for k in range(400):
-        center, room = balls[k % 2]
-        start = spot + left[k % 2]
+        kept.append((pose.shoulder + pose.hand() @ pose.point, EASY * bones - 0.5 * meet.apart))
+        stretched.append((pose.shoulder, EASY * arm.reach(pose.point) - 0.5 * meet.apart))
+    gap = 0.0
+    for (here, near), (there, far) in (kept, stretched):
+        gap = float(np.linalg.norm(here - there)) - near - far
+        if gap <= 0.0:
+            return _nearest(0.5 * (palms[0] + palms[1]), ((here, near), (there, far)))
+    distance = float(np.linalg.norm(sides[0][1].shoulder - sides[1][1].shoulder))
+    raise InvalidValue(
+        f"{meet.hands[0]!r} and {meet.hands[1]!r} cannot meet at {meet.time:.2f} s: the shoulders "
+        f"are {distance:.2f} m apart and the hands stay {gap:.2f} m apart. Place one clip nearer: "
+        "clip.placed(at=...)."
+    )
+
+
+def _nearest(spot: Array, balls: tuple[tuple[Array, float], ...]) -> Array:
+    """The point of all balls (center, radius) that is nearest to a spot, (3,).
+
+    Dykstra's projections onto the balls in turn; they must have a point in common.
+    """
+    left = [np.zeros(3) for _ in balls]
+    for k in range(200 * len(balls)):
+        center, room = balls[k % len(balls)]
+        start = spot + left[k % len(balls)]
         away = start - center
         spot = center + away * min(1.0, room / max(float(np.linalg.norm(away)), 1e-9))
-        left[k % 2] = start - spot
-    gap = float(np.linalg.norm(balls[0][0] - balls[1][0])) - balls[0][1] - balls[1][1]
-    if gap > MISS:
-        distance = float(np.linalg.norm(sides[0][1].shoulder - sides[1][1].shoulder))
-        raise InvalidValue(
-            f"{meet.hands[0]!r} and {meet.hands[1]!r} cannot meet at {meet.time:.2f} s: the "
-            f"shoulders are {distance:.2f} m apart and the hands stay {gap:.2f} m apart. Place one "
-            "clip nearer: clip.placed(at=...)."
-        )
+        left[k % len(balls)] = start - spot
     return spot
 
 
