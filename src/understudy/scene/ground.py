@@ -48,7 +48,8 @@ class Steps:
         props.number(self.heading, "heading", -100.0, 100.0, "rad", what=what)
         if self.landing is not None:
             props.number(self.landing, "landing", 0.05, 1000.0, "m", what=what)
-        if not (isinstance(self.count, int) and 1 <= self.count <= 200):
+        whole = isinstance(self.count, int) and not isinstance(self.count, bool)
+        if not (whole and 1 <= self.count <= 200):
             raise InvalidValue(f"count of steps is {self.count!r}; it must be a whole 1 to 200.")
 
     @property
