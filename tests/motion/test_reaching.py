@@ -181,6 +181,15 @@ def test_two_places_at_once_and_shared_joints_are_refused(gesture):
         gesture.reaching(replace(one, joint="right_hand"))
 
 
+def test_what_is_no_list_of_targets_is_refused(gesture):
+    target = near(gesture, 2.0, (0.0, 0.0, 0.0))
+    for wrong in (target, None, [Meet(time=1.0)]):
+        with pytest.raises(InvalidValue, match="HandTarget"):
+            reaching(gesture, wrong)
+    with pytest.raises(InvalidValue, match="list of Meet"):
+        meeting(gesture, gesture, Meet(time=1.0))
+
+
 @pytest.mark.parametrize(
     "options",
     [

@@ -243,6 +243,10 @@ def test_a_loop_needs_one_sensible_length(options):
 def test_segments_need_clips_of_two_frames():
     with pytest.raises(InvalidValue, match="at least one clip"):
         concatenated([])
+    with pytest.raises(InvalidValue, match="list of Clips"):
+        concatenated(turning(0.0, 0.0))
+    with pytest.raises(InvalidValue, match="it must be a Clip"):
+        turning(0.0, 0.0).spliced(None, at=1.0)
     still = turning(0.0, 0.0).trimmed(0.0, 0.0)
     with pytest.raises(InvalidValue, match="one frame"):
         concatenated([still, still])

@@ -139,6 +139,8 @@ def reach(clip: Clip, targets: Iterable[HandTarget]) -> tuple[Clip, tuple[Reache
         InvalidValue: A time outside the clip, two places for one hand at one time, arms that share
             joints, or a place out of reach: the text gives the distance and the arm's length.
     """
+    expect(clip, Clip, "clip", "a Clip")
+    expect(targets, Iterable, "targets", "a list of HandTarget")
     wanted = list(targets)
     for target in wanted:
         expect(target, HandTarget, "target", "a HandTarget")
@@ -183,10 +185,12 @@ def meeting(clip_a: Clip, clip_b: Clip, meets: Iterable[Meet]) -> tuple[Clip, Cl
         UnknownName: No such joint.
         InvalidValue: As for `reach`, or two bodies too far apart to touch; the text says how far.
     """
-    first, second = [], []
+    expect(meets, Iterable, "meets", "a list of Meet")
+    clips, first, second = (clip_a, clip_b), [], []
+    for clip in clips:
+        expect(clip, Clip, "clip", "a Clip")
     for meet in meets:
         expect(meet, Meet, "meet", "a Meet")
-        clips = (clip_a, clip_b)
         arms = [arm_of(clip, joint) for clip, joint in zip(clips, meet.hands, strict=True)]
         sides = [(arm, _at(clip, arm, meet.time)) for clip, arm in zip(clips, arms, strict=True)]
         palms = [place(arm, pose) for arm, pose in sides]

@@ -8,7 +8,7 @@ place of the root agree in the middle of the blend. `motion.transitions` suggest
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from numbers import Integral, Real
 
@@ -100,7 +100,7 @@ def eased(s: Array) -> Array:
     return 0.5 - 0.5 * np.cos(np.pi * np.clip(s, 0.0, 1.0))
 
 
-def concatenated(clips: Sequence[Clip], *, blend: float = 0.3, tolerance: float = HOME) -> Clip:
+def concatenated(clips: Iterable[Clip], *, blend: float = 0.3, tolerance: float = HOME) -> Clip:
     """Segments that share a home pose, one after the other in the order given.
 
     Each begins where the one before ended: its first frame takes the place of that last frame,
@@ -296,8 +296,9 @@ def _check_time(clip: Clip, time: float, blend: float, name: str) -> None:
         )
 
 
-def _segments(clips: Sequence[Clip]) -> list[Clip]:
+def _segments(clips: Iterable[Clip]) -> list[Clip]:
     """The clips at the rate of the first, checked."""
+    expect(clips, Iterable, "clips", "a list of Clips")
     parts = list(clips)
     if not parts:
         raise InvalidValue("concatenated needs at least one clip.")
