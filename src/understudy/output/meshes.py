@@ -22,6 +22,7 @@ _AROUND = 20  # corners of a round cross-section
 _DOME = 5  # rings of half a sphere
 # A polygon with the area of its circle is this much larger than the one inscribed.
 _SWELL = np.sqrt(2.0 * np.pi / _AROUND / np.sin(2.0 * np.pi / _AROUND))
+_PATCH = 20  # half side of a sloping plane's visible patch [m]
 _CREASE = np.radians(50.0)  # sharper edges of meshes stay sharp
 
 
@@ -64,6 +65,37 @@ def colors(model: mujoco.MjModel) -> Array:
 def planes(model: mujoco.MjModel) -> np.ndarray[Any, np.dtype[np.int64]]:
     """Numbers of the geometries that are infinite ground planes and are shown."""
     return np.flatnonzero((model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE) & shown(model))
+
+
+def level(model: mujoco.MjModel, plane: int) -> bool:
+    """Whether a plane of a model is horizontal."""
+    return bool(abs(rot.rotate(model.geom_quat[plane], np.array([0.0, 0.0, 1.0]))[2]) > 1.0 - 1e-12)
+
+
+def tiles(model: mujoco.MjModel, plane: int, near: Array) -> tuple[Surface, ...]:
+    """A patch of an infinite plane about a point (3,) [m], as square meters of two shades."""
+    turn, place = model.geom_quat[plane], model.geom_pos[plane]
+    middle = np.round(rot.rotate(rot.conjugate(turn), near - place)[:2])
+    corner = np.arange(-_PATCH, _PATCH)
+    x, y = (axis.ravel() + m for axis, m in zip(np.meshgrid(corner, corner), middle, strict=True))
+    paint, out = colors(model)[plane], []
+    for shade, odd in ((1.0, 0), (0.9, 1)):
+        chosen = (x + y) % 2 == odd
+        starts = np.stack((x[chosen], y[chosen], np.zeros(chosen.sum())), axis=-1)
+        square = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)])
+        points = (starts[:, None] + square).reshape(-1, 3)
+        first = 4 * np.arange(len(starts), dtype=np.int32)[:, None]
+        faces = (first + np.array([0, 1, 2, 0, 2, 3], np.int32)).reshape(-1, 3)
+        out.append(
+            Surface(
+                body=int(model.geom_bodyid[plane]),
+                points=rot.rotate(turn, points) + place,
+                normals=np.tile(rot.rotate(turn, np.array([0.0, 0.0, 1.0])), (len(points), 1)),
+                triangles=faces.astype(np.int32),
+                color=np.array([*(shade * paint[:3]), paint[3]]),
+            )
+        )
+    return tuple(out)
 
 
 def surfaces(model: mujoco.MjModel) -> tuple[Surface, ...]:

@@ -83,13 +83,14 @@ def _content(shown: Playback, title: str, autoplay: bool) -> dict[str, Any]:
         arrays["ghost_rotations"] = _short(ghost_turned)
     parts, data = _packed(arrays)
     floor = meshes.planes(shown.model)
+    level = bool(len(floor)) and meshes.level(shown.model, int(floor[0]))
     return {
         "name": title,
         "rate": shown.rate,
         "frames": shown.frames,
         "bodies": bodies,
         "ghost": shown.ghost is not None,
-        "ground": float(shown.model.geom_pos[floor[0], 2]) if len(floor) else None,
+        "ground": float(shown.model.geom_pos[floor[0], 2]) if len(floor) and level else None,
         "heading": shown.heading,
         "bearings": BEARINGS,
         "aspect": _ASPECT,
@@ -113,7 +114,13 @@ def _shot(shown: Playback) -> dict[str, Any]:
 def _surfaces(shown: Playback) -> tuple[dict[str, np.ndarray], list[dict[str, Any]]]:
     """Arrays of corners and triangles, and for every body which triangles are its own."""
     by_body: list[list[meshes.Surface]] = [[] for _ in range(shown.model.nbody)]
-    for surface in meshes.surfaces(shown.model):
+    slopes = [
+        tile
+        for plane in meshes.planes(shown.model)
+        if not meshes.level(shown.model, int(plane))
+        for tile in meshes.tiles(shown.model, int(plane), shown.path.mean(axis=0))
+    ]
+    for surface in (*meshes.surfaces(shown.model), *slopes):
         by_body[surface.body].append(surface)
     ordered = [surface for body in by_body for surface in body]
     starts = np.cumsum([0] + [len(s.points) for s in ordered])

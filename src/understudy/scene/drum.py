@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from understudy.motion import rotations as rot
 from understudy.scene import props
 
 _SHELL, _SKIN, _RIM = (0.53, 0.25, 0.20, 1.0), (0.93, 0.90, 0.82, 1.0), (0.34, 0.30, 0.28, 1.0)
@@ -76,7 +77,7 @@ class Drum:
                 pos=[0.0, 0.0, height],
             )
             geom.group = props.SEEN
-        self._add_stand(spec)
+        self._add_stand(body)
         props.add_site(
             body,
             f"{self.name}/skin",
@@ -85,20 +86,24 @@ class Drum:
         )
         props.add_touch(spec, self.name, f"{self.name}/skin")
 
-    def _add_stand(self, spec: mujoco.MjSpec) -> None:
+    def _add_stand(self, body: mujoco.MjsBody) -> None:
         """A post on a round foot, where there is room below the shell."""
         middle = np.array(self.position) - 0.5 * self.depth * np.array(self.normal)
         top = middle[2] - 0.3 * self.depth
         if top < 0.05:
             return
+        # The stand is upright in the frame of a body that leans.
+        back = rot.conjugate(props.upright(self.normal))
         parts = (("post", 0.018, 0.5 * top, 0.5 * top), ("base", 0.75 * self.radius, 0.008, 0.008))
         for name, radius, half, height in parts:
+            place = np.array([middle[0], middle[1], height]) - np.array(self.position)
             geom = props.add_geom(
-                spec.worldbody,
+                body,
                 f"{self.name}/{name}",
                 mujoco.mjtGeom.mjGEOM_CYLINDER,
                 (radius, half),
                 _RIM,
-                pos=[middle[0], middle[1], height],
+                pos=rot.rotate(back, place),
+                quat=back,
             )
             geom.group = props.SEEN
