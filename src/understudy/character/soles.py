@@ -349,7 +349,7 @@ def _tilted(clip: Clip, character: Character, ground: Floor) -> Clip:
 
 
 def _under(ground: Floor, places: Array) -> Array:
-    """Height of the ground under points [m]; by the edge of a step, that of the lower tread.
+    """Height of the ground under points (..., 3) [m]; within a riser, that of the lower tread.
 
     A toe that a captured clip puts a little into a riser stands in front of it.
     """
@@ -359,7 +359,7 @@ def _under(ground: Floor, places: Array) -> Array:
         for way in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
     ]
     low = np.min(around, axis=0)
-    return np.where(here - low > EDGE, low, here)
+    return np.where(places[..., 2] < np.minimum(here - EDGE, 0.5 * (here + low)), low, here)
 
 
 def _sole_motion(
@@ -373,7 +373,9 @@ def _sole_motion(
         place = pose.positions[:, link] + rot.rotate(pose.rotations[:, link], at)
         speed = np.linalg.norm(derivative(place, clip.rate, smoothing=0.075), axis=1)
         low = place[:, 2] - radius
-        heights.append(low if ground is None else low - _under(ground, place))
+        if ground is not None:
+            low = low - _under(ground, np.concatenate((place[:, :2], low[:, None]), axis=1))
+        heights.append(low)
         slow.append(speed < SLOW)
     return np.stack(heights, axis=1), np.stack(slow, axis=1)
 
