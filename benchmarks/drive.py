@@ -23,7 +23,7 @@ import numpy as np
 
 import understudy as us
 from understudy.character.linkage import KINDS
-from understudy.control import Controls
+from understudy.control import Controls, Drive
 from understudy.fidelity import drive_error
 from understudy.performance import Performance, driven
 from understudy.simulate import prepared, simulate
@@ -48,6 +48,7 @@ def cost(performance: Performance, loop, repeats: int) -> tuple[float, float, fl
     """Seconds per step: bare, driven, and of making the targets, per step."""
     take = simulate(performance)
     (drive,) = performance.controllers
+    assert isinstance(drive, Drive)
     forces = np.array(take.qfrc_applied[:-1])
     steps = len(forces)
     best = np.full(3, np.inf)

@@ -59,7 +59,7 @@ class Take:
 
     def __post_init__(self) -> None:
         frames = len(self.times)
-        if not np.size(self.xfrc_applied):
+        if not np.any(self.xfrc_applied):  # nobody pushed, for however long
             still = np.broadcast_to(0.0, (frames, self.model.nbody, 6))
             object.__setattr__(self, "xfrc_applied", still)
         for name in ("times", "qpos", "qvel", "ctrl", "qfrc_applied", "xfrc_applied"):

@@ -50,14 +50,15 @@ class GiveWay(Task):
     def __post_init__(self) -> None:
         super().__post_init__()
         times = tuple(self.hits) if isinstance(self.hits, Iterable) else (self.hits,)
-        if not all(isinstance(t, Real) and 0.0 <= t < math.inf for t in times):
+        numbers = [float(t) if isinstance(t, Real) else math.nan for t in times]
+        if not all(0.0 <= t < math.inf for t in numbers):
             raise InvalidValue(f"GiveWay: hits is {shown(self.hits)}; it must be times [s].")
-        object.__setattr__(self, "hits", tuple(sorted(float(t) for t in times)))
+        object.__setattr__(self, "hits", tuple(sorted(numbers)))
         if not 0.0 <= self.strength <= 1.0:
             raise InvalidValue(f"GiveWay: strength is {self.strength}; it must lie in 0 to 1.")
         for name in ("fall", "limp", "recovery"):
             value = getattr(self, name)
-            if not (isinstance(value, Real) and 0.0 <= value <= 60.0):
+            if not 0.0 <= value <= 60.0:
                 raise InvalidValue(f"GiveWay: {name} is {shown(value)} s; it must lie in 0 to 60.")
         if self.give is not None:
             object.__setattr__(self, "give", tuple(self.give))

@@ -48,6 +48,7 @@ from understudy.scene import Scene
 
 _BEND = (0.0, 0.0, 1.0)  # a straight arm bends about this axis of the upper arm
 _PALM = (0.0, 0.0, -1.0)  # where a palm faces, in the hand's frame
+_HALF_HAND = 0.0135  # half the thickness of a hand at the palm, over the body's height
 _SMOOTHING = 0.004  # of the speed with which the wanted pose changes [s]
 
 
@@ -91,6 +92,10 @@ class Reach(Task):
         """Force of the hand on what it reaches [N], world."""
         return (0.0, 0.0, 0.0)
 
+    def beside(self, body: Character) -> Array:
+        """From the target to where the middle of the hand belongs [m], world, shape (3,)."""
+        return np.zeros(3)
+
     def fitted(self, reference: Clip, body: Character) -> tuple[Reach, Clip]:
         """The task with the reference it bends.
 
@@ -133,10 +138,11 @@ class Reach(Task):
         palm = model.site_pos[site_number(model, f"{prefix}{self.hand}_palm", self.kind)]
         facing = np.zeros(3) if self.facing is None else np.array(self.facing)
         last = round(self.reference.duration / scene.timestep)
-        times = np.arange(last + 1) * scene.timestep
+        times = np.arange(last + 1, dtype=np.float64) * scene.timestep
         arm = [body.index(joint) for joint in self.joints]
         rotations = sampled(self.reference, times).rotations[:, arm]
-        head = (*self.times, scene.timestep, last, site, *point, *palm, *facing, *self.pressing)
+        target = (site, *point, *self.beside(body))
+        head = (*self.times, scene.timestep, last, *target, *palm, *facing, *self.pressing)
         wrist = model.body_jntadr[scene.parts[self.character].bodies[arm[2]]]
         stop = float(model.jnt_range[wrist, 1]) if model.jnt_limited[wrist] else np.pi
         lengths = [float(np.linalg.norm(body.links[i].offset)) for i in arm[1:]]
@@ -150,6 +156,7 @@ class Reach(Task):
 
     def _check_reach(self, target: Array, reference: Clip, body: Character) -> None:
         """Refuse a target that the arm cannot reach while the task has taken over."""
+        target = target + self.beside(body)
         arm = [body.index(joint) for joint in self.joints]
         pose = reference.forward_kinematics()
         times = reference.times
@@ -184,12 +191,13 @@ class HandOn(Reach):
         hand, target: As for `Reach`; the target is the point of the surface under the palm.
         normal: Out of the surface, world, 3 numbers.
         force: How hard to press [N].
-        thickness: From the middle of the hand to the palm's skin [m].
+        thickness: From the middle of the hand to the palm's skin [m]; None for a person's of the
+            body's height.
     """
 
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     force: float = 10.0
-    thickness: float = 0.015
+    thickness: float | None = None
 
     def __post_init__(self) -> None:
         normal = frozen_array(self.normal, (3,), "HandOn: normal")
@@ -198,10 +206,12 @@ class HandOn(Reach):
             raise InvalidValue("HandOn: normal is zero; it must point out of the surface.")
         object.__setattr__(self, "normal", tuple((normal / length).tolist()))
         object.__setattr__(self, "facing", tuple((-normal / length).tolist()))
-        for name, most in (("force", 1e3), ("thickness", 0.1)):
+        for name, unit, most in (("force", "N", 1e3), ("thickness", "m", 0.1)):
             value = getattr(self, name)
-            if not 0.0 <= value <= most:
-                raise InvalidValue(f"HandOn: {name} is {value}; it must lie in 0 to {most:g}.")
+            if value is not None and not 0.0 <= value <= most:
+                raise InvalidValue(
+                    f"HandOn: {name} is {value} {unit}; it must lie in 0 to {most:g}."
+                )
         super().__post_init__()
 
     @property
@@ -209,6 +219,11 @@ class HandOn(Reach):
         """Force of the hand on the surface [N], world."""
         x, y, z = self.normal
         return -self.force * x, -self.force * y, -self.force * z
+
+    def beside(self, body: Character) -> Array:
+        """The hand's half thickness out of the surface."""
+        half = _HALF_HAND * body.height if self.thickness is None else self.thickness
+        return half * np.array(self.normal)
 
 
 def _palm_of(body: Character, hand: str) -> Array:
@@ -218,8 +233,8 @@ def _palm_of(body: Character, hand: str) -> Array:
 
 
 # Places in the parameters after begin, end and ease.
-_DT, _LAST, _SITE, _POINT, _AT_PALM, _FACING, _FORCE, _STOP, _LENGTHS, _ROWS = (
-    TIMES + k for k in (0, 1, 2, 3, 6, 9, 12, 15, 16, 18)
+_DT, _LAST, _SITE, _POINT, _BESIDE, _AT_PALM, _FACING, _FORCE, _STOP, _LENGTHS, _ROWS = (
+    TIMES + k for k in (0, 1, 2, 3, 6, 9, 12, 15, 18, 19, 21)
 )
 _CLIP = _ROWS + 3 * JOINT
 
@@ -232,14 +247,13 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
         return
     dt = parameters[_DT]
     step = min(int(time / dt + 0.5), int(parameters[_LAST]))
-    upper_row, lower_row, hand_row = _ROWS, _ROWS + JOINT, _ROWS + 2 * JOINT
     at = _CLIP + 12 * step
-    chest = orientation(state.xquat, int(parameters[upper_row + 1]))
+    chest = orientation(state.xquat, int(parameters[_ROWS + 1]))
     # The clip's arm on the simulated shoulder.
     upper = composed(chest, quaternion_at(parameters, at))
     lower = composed(upper, quaternion_at(parameters, at + 4))
     hand = composed(lower, quaternion_at(parameters, at + 8))
-    shoulder_body = int(parameters[upper_row])
+    shoulder_body = int(parameters[_ROWS])
     shoulder = (
         state.xpos[shoulder_body, 0],
         state.xpos[shoulder_body, 1],
@@ -258,11 +272,13 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
     gy = (1.0 - weight) * (shoulder[1] + uy + ly + py) + weight * goal[1]
     gz = (1.0 - weight) * (shoulder[2] + uz + lz + pz) + weight * goal[2]
     most, first, second = parameters[_STOP], upper, lower
+    twist = twist_of(quaternion_at(parameters, at + 8))
     for _ in range(3):
         # The palm goes first: a wrist that would turn past its stop gives up the orientation.
         px, py, pz = rotated(wanted_hand, palm)
         wx, wy, wz = gx - px - shoulder[0], gy - py - shoulder[1], gz - pz - shoulder[2]
         upper, lower = bent(first, second, (ux, uy, uz), (lx, ly, lz), (wx, wy, wz), a, b)
+        lower = pronated(lower, wanted_hand, twist)
         x, y, z = between(lower, wanted_hand)
         angle = math.sqrt(x * x + y * y + z * z)
         if angle <= most:
@@ -280,7 +296,7 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
         body = int(parameters[row])
         kd = parameters[row + 6]
         tx, ty, tz = gravity_torque(state, body, parameters[row + 7])
-        fx, fy, fz = leverage(state, body, (goal[0], goal[1], goal[2]), parameters)
+        fx, fy, fz = leverage(state, body, goal, parameters)
         torque = (
             tx + kd * ahead[0] + weight * fx,
             ty + kd * ahead[1] + weight * fy,
@@ -292,11 +308,12 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
 
 
 def target_of(state, parameters):  # type: ignore[no-untyped-def]
-    """The target's place now [m]."""
+    """Where the middle of the hand belongs now [m]."""
     site = int(parameters[_SITE])
+    x, y, z = parameters[_POINT], parameters[_POINT + 1], parameters[_POINT + 2]
     if site >= 0:
-        return state.site_xpos[site, 0], state.site_xpos[site, 1], state.site_xpos[site, 2]
-    return parameters[_POINT], parameters[_POINT + 1], parameters[_POINT + 2]
+        x, y, z = state.site_xpos[site, 0], state.site_xpos[site, 1], state.site_xpos[site, 2]
+    return x + parameters[_BESIDE], y + parameters[_BESIDE + 1], z + parameters[_BESIDE + 2]
 
 
 def faced(hand, parameters, weight):  # type: ignore[no-untyped-def]
@@ -335,6 +352,18 @@ def bent(upper, lower, u, v, wanted, a, b):  # type: ignore[no-untyped-def]
     x, y, z = rotated(turn, v)
     swing = arc(u[0] + x, u[1] + y, u[2] + z, wanted[0], wanted[1], wanted[2])
     return composed(swing, upper), composed(swing, composed(turn, lower))
+
+
+def twist_of(q):  # type: ignore[no-untyped-def]
+    """Angle of the part of a rotation that turns about y, along the bone of an arm [rad]."""
+    return 2.0 * math.atan2(q[2], q[0])
+
+
+def pronated(lower, hand, twist):  # type: ignore[no-untyped-def]
+    """The forearm, rolled about its length so that the wrist keeps a twist [rad] of its own."""
+    roll = twist_of(composed(inverse(lower), hand)) - twist
+    roll -= 2.0 * math.pi * math.floor(roll / (2.0 * math.pi) + 0.5)
+    return composed(lower, exponential(0.0, roll, 0.0))
 
 
 def bend_at(distance, a, b):  # type: ignore[no-untyped-def]

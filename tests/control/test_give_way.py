@@ -1,0 +1,79 @@
+"""Strength that falls at a hit and comes back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import understudy as us
+from understudy.control import GiveWay, Push
+from understudy.control.give_way import _COUNT, _FIRST, _HITS, _STRENGTH, strength_at
+from understudy.errors import InvalidValue
+from understudy.evaluate import compare
+
+
+@pytest.fixture(scope="module")
+def clip() -> us.Clip:
+    return us.sample("gesture").trimmed(0.0, 3.2)
+
+
+def parameters(hits: tuple[float, ...], strength=0.2, fall=0.1, limp=0.2, recovery=0.4):
+    out = np.zeros(_FIRST + len(hits))
+    out[_STRENGTH : _STRENGTH + 4] = strength, fall, limp, recovery
+    out[_HITS], out[_COUNT] = len(hits), 0
+    out[_FIRST:] = hits
+    return out
+
+
+def test_strength_falls_stays_low_and_recovers():
+    times = (0.99, 1.0, 1.05, 1.1, 1.2, 1.3, 1.5, 1.7, 2.0)
+    found = [strength_at(time, parameters((1.0,))) for time in times]
+    np.testing.assert_allclose(found, [1, 1, 0.6, 0.2, 0.2, 0.2, 0.6, 1, 1], atol=1e-12)
+
+
+def test_of_two_hits_the_weaker_moment_counts():
+    both = parameters((1.0, 1.4))
+    for time in np.linspace(0.9, 2.2, 40):
+        alone = [strength_at(time, parameters((hit,))) for hit in (1.0, 1.4)]
+        assert strength_at(time, both) == min(alone)
+
+
+def away(take: us.Take) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] and the largest joint or root angle from the clip [deg]."""
+    found = compare.compared(take.clip(rate=120.0), take.references[0])
+    worst = np.maximum(found.joint_angles.max(axis=1), found.root_angles)
+    return found.times, np.degrees(worst)
+
+
+@pytest.mark.parametrize("impulse", [(60.0, 0.0, 0.0), (0.0, -100.0, 0.0), (-70.0, 70.0, 0.0)])
+def test_the_body_gives_way_to_a_push_and_is_back_within_a_second_and_a_half(clip, impulse):
+    body = us.Character.from_clip(clip)
+    push = Push(time=1.2, on="chest", impulse=impulse)
+    stiff = us.track(clip, body, tasks=[push])
+    soft = us.track(clip, body, tasks=[push, GiveWay.after(push)])
+    times, angle = away(soft)
+    hit = (times > 1.2) & (times < 1.7)
+    assert angle[hit].max() > 1.5 * away(stiff)[1][hit].max()
+    assert angle[hit].max() > 10.0
+    assert angle[times > 2.7].max() < 5.0
+
+
+def test_times_come_from_what_hits():
+    pushes = [Push(time=2.0, impulse=(1, 0, 0)), Push(time=1.0, impulse=(1, 0, 0))]
+    assert GiveWay.after(*pushes, strength=0.5) == GiveWay(hits=(1.0, 2.0), strength=0.5)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"hits": (-1.0,)}, "hits is"),
+        ({"hits": "soon"}, "hits is 'soon'"),
+        ({"hits": (np.inf,)}, "hits is"),
+        ({"strength": 1.5}, "strength is 1.5"),
+        ({"strength": np.nan}, "strength is nan"),
+        ({"recovery": -1.0}, "recovery is -1.0 s"),
+    ],
+)
+def test_values_that_cannot_be_meant_are_refused(settings, message):
+    with pytest.raises(InvalidValue, match=message):
+        GiveWay(**settings)
