@@ -17,6 +17,7 @@ from understudy.evaluate.pushes import push_events, pushed
 from understudy.evaluate.score import Score
 from understudy.motion.figure import plain_name
 from understudy.motion.files import written
+from understudy.output.page import page
 from understudy.output.player import player_html
 
 if TYPE_CHECKING:
@@ -46,9 +47,8 @@ def report_html(take: Take, *, title: str | None = None) -> str:
         parts.append(tables.by_link(m, k))
         parts.append(_notes(take, k))
     parts += [tables.contact_events(m), tables.pushes(take), _footer(take, scores)]
-    return _PAGE.format(
-        title=_text(name), style=_STYLE + STYLE, script=SCRIPT, body="\n".join(filter(None, parts))
-    )
+    body = "\n".join(filter(None, parts))
+    return page(name, body, style=_STYLE + STYLE, script=SCRIPT)
 
 
 def write_report(take: Take, path: str | PathLike[str], *, title: str | None = None) -> None:
@@ -84,13 +84,13 @@ def _header(take: Take, name: str, scores: Sequence[Score]) -> str:
 
 def _player(take: Take, name: str) -> str:
     try:
-        page = player_html(take, title=name)
+        player = player_html(take, title=name)
     except InvalidValue as error:  # a body without any visible shape
         return f'<p class="player">No picture: {_text(error)}</p>'
     return (
         '<section class="player"><h2 class="unseen">The motion in 3D</h2>'
         f'<iframe title="3D player of {_text(name)}" sandbox="allow-scripts" '
-        f'srcdoc="{_text(page)}"></iframe>'
+        f'srcdoc="{_text(player)}"></iframe>'
         '<p class="onpaper">The 3D player is interactive; open this file in a browser.</p>'
         "</section>"
     )
@@ -289,44 +289,7 @@ def _footer(take: Take, scores: Sequence[Score]) -> str:
 _FACT_NAMES = {"cpu_seconds": "processor time"}
 _FACT_UNITS = {"stiffness": " /s²", "damping_time": " s", "cpu_seconds": " s"}
 
-_PAGE = """<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy"
- content="default-src 'none'; img-src data:; script-src 'unsafe-inline'; style-src 'unsafe-inline'">
-<meta name="color-scheme" content="light dark">
-<meta name="generator" content="Understudy">
-<link rel="icon" href="data:,">
-<title>{title}</title>
-<style>{style}</style>
-</head>
-<body>
-<main>
-{body}
-</main>
-<script>{script}</script>
-</body>
-</html>
-"""
-
 _STYLE = """
-:root{--page:#fff;--ink:#1c1f24;--dim:#5c6470;--rule:#dfe3e8;--panel:#f5f7f9;
- --good:#12724b;--held:#9a4a06;--c0:#1f5fc4;--c1:#c4501a;--c2:#0f8a63;--c3:#8453bd;
- --c4:#7a7f18;--c5:#b03a72}
-@media screen and (prefers-color-scheme:dark){:root{--page:#15181c;--ink:#e8eaed;--dim:#9aa3ae;
- --rule:#30363d;--panel:#1d2126;--good:#5fd3a2;--held:#f0a35c;--c0:#7fb0ff;--c1:#ff9a66;
- --c2:#54d1a4;--c3:#c7a4ff;--c4:#d3d86a;--c5:#ff8fc0}}
-*{box-sizing:border-box}
-body{margin:0;background:var(--page);color:var(--ink);
- font:16px/1.5 system-ui,-apple-system,"Segoe UI",sans-serif}
-main{max-width:62rem;margin:0 auto;padding:1.5rem clamp(1rem,4vw,2rem) 3rem}
-h1{margin:0 0 1rem;font-size:clamp(1.6rem,5vw,2.3rem);line-height:1.15;overflow-wrap:anywhere}
-h2{margin:2.5rem 0 .75rem;font-size:1.3rem;border-top:1px solid var(--rule);padding-top:1rem}
-h3{margin:1.25rem 0 .5rem;font-size:1rem}
-p{max-width:75ch}
-.kicker{margin:0;color:var(--dim);font-size:.875rem}
 .verdict{padding:.75rem 1rem;background:var(--panel);border-left:4px solid var(--held);
  border-radius:0 .4rem .4rem 0}
 .verdict.good{border-color:var(--good)}.verdict b{color:var(--held)}
@@ -345,23 +308,10 @@ p{max-width:75ch}
  font-variant-numeric:tabular-nums}
 .tiles b small{font-size:.8125rem;font-weight:400;margin-left:.05rem}
 .tiles span{font-size:.8125rem;color:var(--dim);line-height:1.3;display:block}
-.wide{overflow-x:auto}
-.wide table{border-collapse:collapse;width:100%;font-size:.875rem}
-.wide caption{text-align:left;color:var(--dim);padding-bottom:.4rem}
-.wide th,.wide td{padding:.3rem .6rem .3rem 0;border-bottom:1px solid var(--rule);text-align:right;
- font-variant-numeric:tabular-nums}
-.wide th:first-child{text-align:left;padding-right:1rem}
-.wide tbody th{font-weight:400}
-ul{padding-left:1.2rem}li{overflow-wrap:anywhere}
 .facts{display:grid;grid-template-columns:repeat(auto-fill,minmax(13rem,1fr));gap:.3rem 2rem;
  font-size:.875rem;margin:0}
 .facts div{display:flex;justify-content:space-between;gap:1rem;border-bottom:1px solid var(--rule)}
 .facts dt{color:var(--dim)}.facts dd{margin:0;overflow-wrap:anywhere;text-align:right}
-@media print{
- :root{--page:#fff;--ink:#000;--dim:#444;--rule:#bbb;--panel:#f3f3f3}
- body{font-size:11pt}main{max-width:none;padding:0}
- .player iframe{display:none}.onpaper{display:block}
- .tiles div,.wide tr,.verdict{break-inside:avoid}
- h2,h3{break-after:avoid}
-}
+@media print{.player iframe{display:none}.onpaper{display:block}
+ .tiles div,.verdict{break-inside:avoid}}
 """

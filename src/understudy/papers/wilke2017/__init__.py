@@ -6,16 +6,15 @@ In: a folder of clips, or none. Out: one HTML page, its tables as CSV, all numbe
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from understudy.errors import InvalidValue
 from understudy.motion.files import written
+from understudy.papers.sheets import as_csv, plain
 from understudy.papers.wilke2017.cast import casting
 from understudy.papers.wilke2017.experiments import Effort, Reproduced, experiments
-from understudy.papers.wilke2017.page import as_csv, as_dict, page_html
+from understudy.papers.wilke2017.page import as_dict, page_html
 
 __all__ = ["Effort", "Reproduced", "as_dict", "reproduce", "write"]
 
@@ -79,7 +78,7 @@ def write(found: Reproduced, folder: Path) -> None:
     """
     texts = {
         "wilke2017.html": page_html(found),
-        "wilke2017.json": json.dumps(_plain(as_dict(found)), indent=2, allow_nan=False) + "\n",
+        "wilke2017.json": json.dumps(plain(as_dict(found)), indent=2, allow_nan=False) + "\n",
     }
     for sheet in (*found.tables, *found.figures.values()):
         name = sheet.name.lower().replace(" ", "_")
@@ -87,12 +86,3 @@ def write(found: Reproduced, folder: Path) -> None:
     for name, text in texts.items():
         with written(folder / name) as temporary:
             temporary.write_text(text, encoding="utf-8")
-
-
-def _plain(value: Any) -> Any:
-    """The same in types JSON knows; infinity becomes null."""
-    if isinstance(value, dict):
-        return {str(k): _plain(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(v) for v in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

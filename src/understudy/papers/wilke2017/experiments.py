@@ -23,6 +23,7 @@ from understudy.fidelity import DriveError, drive_error, drive_forces
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
+from understudy.papers.sheets import Sheet
 from understudy.papers.wilke2017 import published
 from understudy.papers.wilke2017.cast import Cast
 from understudy.performance import PAPER_GRAVITY, driven
@@ -33,25 +34,6 @@ from understudy.take import Take
 UNIT = 0.0254 / 0.45
 GRAVITY = PAPER_GRAVITY * UNIT
 TUNED_ON = "141_15"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sheet:
-    """A table: published and measured numbers side by side.
-
-    Attributes:
-        name: "Table 1".
-        caption: What it is and in which units.
-        head: Column names.
-        rows: Strings and numbers; None where there is nothing.
-        notes: What to know when reading it.
-    """
-
-    name: str
-    caption: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[Any, ...], ...] = field(repr=False)
-    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import html as markup
-import io
-from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -16,6 +13,9 @@ from understudy.evaluate.chart import SCRIPT, Chart, Series
 from understudy.evaluate.chart import STYLE as CHART_STYLE
 from understudy.evaluate.convergence import convergence
 from understudy.fidelity import drive_error
+from understudy.output.page import page
+from understudy.papers.sheets import STYLE as SHEET_STYLE
+from understudy.papers.sheets import Sheet, as_html
 from understudy.papers.stills import STYLE as STILLS_STYLE
 from understudy.papers.stills import Strip, strips_html
 from understudy.papers.wilke2017 import published
@@ -24,7 +24,6 @@ from understudy.papers.wilke2017.experiments import (
     TUNED_ON,
     UNIT,
     Reproduced,
-    Sheet,
     kick_height,
     kick_window,
     sag_law,
@@ -71,9 +70,8 @@ def page_html(found: Reproduced) -> str:
         *_limp_stills(found),
         f'<p class="kicker">Made by understudy {__version__}.</p>',
     ]
-    return _PAGE.format(
-        style=_STYLE + CHART_STYLE + STILLS_STYLE, body="\n".join(body), script=SCRIPT
-    )
+    style = SHEET_STYLE + CHART_STYLE + STILLS_STYLE
+    return page("Wilke & Semwal 2017, reproduced", "\n".join(body), style=style, script=SCRIPT)
 
 
 def as_dict(found: Reproduced) -> dict[str, Any]:
@@ -109,15 +107,6 @@ def as_dict(found: Reproduced) -> dict[str, Any]:
         "version": __version__,
         **found.facts,
     }
-
-
-def as_csv(sheet: Sheet) -> str:
-    """A table as CSV, numbers in full."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(sheet.head)
-    writer.writerows(["" if cell is None else cell for cell in row] for row in sheet.rows)
-    return out.getvalue()
 
 
 # -- parts of the page --------------------------------------------------------------------------
@@ -261,87 +250,6 @@ def _limp_stills(found: Reproduced) -> list[str]:
     return out
 
 
-def _cell(value: Any) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return "flew apart" if not np.isfinite(value) else f"{value:.4g}"
-    return _text(value)
-
-
 def _table(sheet: Sheet) -> str:
-    worded = [any(isinstance(row[k], str) for row in sheet.rows) for k in range(len(sheet.head))]
-
-    def row(cells: Sequence[Any], tag: str = "td") -> str:
-        parts = []
-        for k, (cell, words) in enumerate(zip(cells, worded, strict=True)):
-            own = "th scope='row'" if k == 0 and tag == "td" else tag
-            kind = ' class="words"' if words and k else ""
-            parts.append(f"<{own}{kind}>{_cell(cell)}</{own.split()[0]}>")
-        return f"<tr>{''.join(parts)}</tr>"
-
-    published_row = "".join(
-        row(cells).replace("<tr>", '<tr class="published">') if "published" in cells else row(cells)
-        for cells in sheet.rows
-    )
     title = "" if sheet.name.startswith(("Figure", "Clips")) else f"<h3>{_text(sheet.name)}</h3>"
-    notes = "".join(f'<p class="note">{_text(note)}</p>' for note in sheet.notes)
-    return (
-        f'{title}<div class="wide" tabindex="0" role="region" aria-label="{_text(sheet.name)}">'
-        f"<table><caption>{_text(sheet.caption)}</caption>"
-        f"<thead>{row(sheet.head, 'th')}</thead><tbody>{published_row}</tbody></table></div>{notes}"
-    )
-
-
-_PAGE = """<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy"
- content="default-src 'none'; img-src data:; script-src 'unsafe-inline'; style-src 'unsafe-inline'">
-<meta name="color-scheme" content="light dark">
-<meta name="generator" content="Understudy">
-<link rel="icon" href="data:,">
-<title>Wilke &amp; Semwal 2017, reproduced</title>
-<style>{style}</style>
-</head>
-<body>
-<main>
-{body}
-</main>
-<script>{script}</script>
-</body>
-</html>
-"""
-
-_STYLE = """
-:root{--page:#fff;--ink:#1c1f24;--dim:#5c6470;--rule:#dfe3e8;--panel:#f5f7f9;--held:#9a4a06;
- --c0:#1f5fc4;--c1:#c4501a;--c2:#0f8a63;--c3:#8453bd;--c4:#7a7f18;--c5:#b03a72}
-@media screen and (prefers-color-scheme:dark){:root{--page:#15181c;--ink:#e8eaed;--dim:#9aa3ae;
- --rule:#30363d;--panel:#1d2126;--held:#f0a35c;--c0:#7fb0ff;--c1:#ff9a66;--c2:#54d1a4;
- --c3:#c7a4ff;--c4:#d3d86a;--c5:#ff8fc0}}
-*{box-sizing:border-box}
-body{margin:0;background:var(--page);color:var(--ink);
- font:16px/1.5 system-ui,-apple-system,"Segoe UI",sans-serif}
-main{max-width:66rem;margin:0 auto;padding:1.5rem clamp(1rem,4vw,2rem) 3rem}
-h1{margin:0 0 1rem;font-size:clamp(1.6rem,5vw,2.2rem);line-height:1.15}
-h2{margin:2.5rem 0 .75rem;font-size:1.3rem;border-top:1px solid var(--rule);padding-top:1rem}
-h3{margin:1.5rem 0 .4rem;font-size:1rem}
-p,li{max-width:75ch}
-.kicker,.note{color:var(--dim);font-size:.875rem;margin:.35rem 0}
-.held{padding:.6rem .9rem;background:var(--panel);border-left:4px solid var(--held)}
-.wide{overflow-x:auto;margin-bottom:.6rem}
-.wide table{border-collapse:collapse;width:100%;font-size:.8125rem}
-.wide caption{text-align:left;color:var(--dim);padding-bottom:.4rem}
-.wide th,.wide td{padding:.25rem .6rem .25rem 0;border-bottom:1px solid var(--rule);
- text-align:right;vertical-align:bottom;font-variant-numeric:tabular-nums}
-.wide thead th{font-weight:600;line-height:1.25}
-.wide th:first-child,.wide .words{text-align:left}
-.wide tbody th{font-weight:400;white-space:nowrap}
-.wide .published>*{background:var(--panel)}
-@media print{:root{--page:#fff;--ink:#000;--dim:#444}main{max-width:none;padding:0}
- .wide tr,.stills{break-inside:avoid}}
-"""
+    return title + as_html(sheet, endless="flew apart")
