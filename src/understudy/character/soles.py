@@ -132,7 +132,11 @@ def standing(
     floor = np.interp(frames, frames[known], lowest[known])
     window = 2 * round(0.1 * clip.rate) + 1
     floor = median_filter(floor, window, mode="nearest")
+    # Odd reflection at the ends keeps a walk up a slope going up.
+    pad = 0 if ground is None else min(round(3.0 * smooth * clip.rate), clip.frames - 1)
+    floor = np.pad(floor, pad, mode="reflect", reflect_type="odd")
     floor = gaussian_filter1d(floor, smooth * clip.rate, mode="nearest")
+    floor = floor[pad : pad + clip.frames]
     after = np.where(resting, heights - floor[:, None], np.inf).min(axis=1)[known]
     floor += float(np.quantile(after, part)) + 0.001
     return _lowered(clip, floor)
