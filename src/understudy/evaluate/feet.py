@@ -18,6 +18,7 @@ from understudy.evaluate.measure import Measured, Performer
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
+from understudy.scene import Ground
 
 NEAR_GROUND = 0.03
 """A sole point lower than this may stand [m]."""
@@ -144,7 +145,7 @@ def loaded_slide(measured: Measured, character: int = 0) -> Slide:
 
 
 def kinematic_slide(
-    clip: Clip, who: Performer, model: mujoco.MjModel, *, ground: float = 0.0
+    clip: Clip, who: Performer, model: mujoco.MjModel, *, ground: Ground | None = None
 ) -> Slide:
     """Slide of a clip's feet, standing where the lowest sole point is near the ground and slow.
 
@@ -152,8 +153,9 @@ def kinematic_slide(
         clip: A motion on the character's skeleton.
         who: The character, for its feet.
         model: The model that holds the character's contact shapes.
-        ground: Height of the ground [m].
+        ground: The ground; None is the plane z = 0.
     """
+    uneven = ground if isinstance(ground, Ground) and not ground.level else None
     pose = clip.forward_kinematics()
     numbers = {int(body): k for k, body in enumerate(who.bodies)}
     pairs = list(feet(who).values())
@@ -170,7 +172,9 @@ def kinematic_slide(
         placed, radius = np.concatenate(points, axis=1), np.concatenate(radii)
         if placed.shape[1] == 0:
             continue
-        height = placed[..., 2] - radius - ground
+        height = placed[..., 2] - radius
+        if uneven is not None:
+            height = height - uneven.height(placed)
         drift = np.gradient(placed, 1.0 / clip.rate, axis=0) if clip.frames > 1 else 0.0 * placed
         low = np.argmin(height, axis=1)
         rows = np.arange(clip.frames)

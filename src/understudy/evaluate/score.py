@@ -320,14 +320,15 @@ def _contact(take: Take, m: Measured, who: Performer) -> dict[str, Any]:
     if not feet.feet(who):
         return out
     loaded = feet.loaded_slide(m, who.index).speed
-    lowly = feet.kinematic_slide(motion(take, m, who.index), who, take.model).speed
+    ground = take.scene.ground
+    lowly = feet.kinematic_slide(motion(take, m, who.index), who, take.model, ground=ground).speed
     out |= {
         "foot_slide_mm_s": _thousand(loaded),
         "foot_slide_by_height_mm_s": _thousand(lowly),
     }
     reference = take.references[who.index]
     if reference is not None:
-        own = feet.kinematic_slide(reference, who, take.model)
+        own = feet.kinematic_slide(reference, who, take.model, ground=ground)
         out["clip_foot_slide_mm_s"] = _thousand(own.speed)
         if np.isfinite(own.lowest).all():
             out["clip_penetration_mm"] = 1e3 * max(0.0, -float(own.lowest.min()))
