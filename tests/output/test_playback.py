@@ -94,3 +94,15 @@ def test_a_linkage_plays_with_its_clip_as_the_ghost(kind):
     moved = shown.poses(aside)[0] - placed
     assert np.ptp(moved[:, 1:], axis=1).max() < 1e-9  # all bodies by the same way
     assert np.linalg.norm(moved[0, 1]) > 0.3
+
+
+def test_two_who_face_each_other_are_seen_across_the_line_between_them():
+    from understudy.character import child
+    from understudy.performance import together, tracked
+
+    clip = us.sample("clapping").trimmed(0.0, 0.1)
+    there = clip.placed(at=(0.6, 0.8), heading=np.pi + np.arctan2(0.8, 0.6))
+    here = clip.placed(heading=np.arctan2(0.8, 0.6))
+    take = us.simulate(together(tracked(here, child()), tracked(there, child())))
+    shown = playback(take)
+    assert shown.heading == pytest.approx(np.arctan2(0.8, 0.6), abs=0.15)

@@ -92,7 +92,8 @@ class Playback:
     def heading(self) -> float:
         """Direction in which the performers face on average, from +x toward +y [rad].
 
-        From the line between left and right parts; from the path where names tell no sides.
+        From the line between left and right parts; from the path where names tell no sides. Where
+        two face each other, from the first to the last.
         """
         pairs = _sides(self.names or _body_names(self.model))
         facing = np.zeros(2)
@@ -104,6 +105,11 @@ class Playback:
             forward /= np.maximum(np.linalg.norm(forward, axis=1, keepdims=True), 1e-9)
             mean = forward.mean(axis=0)
             facing = mean if np.linalg.norm(mean) > 0.3 else forward[0]
+            if len(self.roots) > 1 and np.linalg.norm(mean) <= 0.3:
+                first, last = (
+                    self.qpos[:, r : r + 2].mean(axis=0) for r in self.roots[:: len(self.roots) - 1]
+                )
+                facing = last - first
         if not facing.any():
             facing = self.path[-1, :2] - self.path[0, :2]
         return float(np.arctan2(facing[1], facing[0])) if facing.any() else 0.0
