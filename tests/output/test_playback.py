@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import understudy as us
 from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
