@@ -11,7 +11,13 @@ import pytest
 from understudy.character import Character
 from understudy.character.bodies import adult_man
 from understudy.errors import InvalidValue, UnknownName
+from understudy.evaluate.events import contact_events
+from understudy.evaluate.overlap import overlap
+from understudy.motion.samples import sample, striking
+from understudy.performance import tracked
 from understudy.scene import Ball, Box, Drum, Scene, Staff, Table
+from understudy.simulate import simulate
+from understudy.take import Take
 
 DRUM = Drum(position=(0.5, -0.2, 0.9))
 
@@ -170,3 +176,34 @@ def test_a_pair_named_twice_counts_once(man):
     once = Scene(characters=(man,), props=(DRUM,), contacts=(("right_hand", "drum"),))
     twice = replace(once, contacts=(("right_hand", "drum"), ("drum", "right_hand")))
     assert once.model.npair == twice.model.npair
+
+
+def stroke(man: Character, timestep: float, *, contact: bool = True) -> Take:
+    """One stroke of 3.2 m/s onto a drum."""
+    whole = tracked(
+        sample("strike").trimmed(0.0, 1.6),
+        man,
+        timestep=timestep,
+        props=(Drum(position=striking.DRUM),),
+        contacts=(("right_hand", "drum"),) if contact else (),
+    )
+    return simulate(whole)
+
+
+def test_a_fast_hand_stops_at_the_skin_of_a_drum_and_not_without_contact(man):
+    take = stroke(man, 1.0 / 480.0)
+    (event,) = contact_events(take, "right_hand", "drum")
+    assert event.approach_m_s > 2.5
+    assert event.penetration_mm < 2.0
+    assert overlap(take, "right_hand", "drum").max() < 0.002
+    through = stroke(man, 1.0 / 480.0, contact=False)
+    assert overlap(through, "right_hand", "drum").max() > 0.015
+    assert not contact_events(through, "right_hand")
+
+
+def test_the_impulse_of_a_stroke_hardly_depends_on_the_step(man):
+    impulses = [
+        contact_events(stroke(man, 1.0 / rate), "right_hand", "drum")[0].impulse_ns
+        for rate in (960.0, 480.0, 240.0)
+    ]
+    np.testing.assert_allclose(impulses, impulses[1], rtol=0.1)
