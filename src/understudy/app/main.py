@@ -26,6 +26,7 @@ OK, PARTLY, BAD_INPUT, DEFECT, INTERRUPTED = 0, 1, 2, 3, 130
 
 COMMANDS = {
     "track": "Make a simulated body perform motion clips, and report how well it did.",
+    "perform": "Run an edit file: clips, bodies, props, tasks and pushes in one text.",
     "info": "Say what is in a clip: skeleton, rate, roles, repairs, the body it would get.",
     "convert": "Read a clip, edit it if asked, and write it in another format.",
     "tune": "Search for the servo stiffness that follows a clip best.",

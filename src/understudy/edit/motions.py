@@ -1,0 +1,150 @@
+"""From what a character's table says to its body and the motion it is to track."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from understudy.character import Character, bodies, read_mapping, retargeted
+from understudy.edit.edit import OWN, Cut, Edit, Performer, Segment
+from understudy.edit.lines import Place
+from understudy.edit.source import Source
+from understudy.errors import ClipError, InvalidValue
+from understudy.motion.clip import Clip
+from understudy.motion.edits import placed, retimed, trimmed
+from understudy.motion.mirror import mirrored
+from understudy.motion.read import read
+from understudy.motion.samples import sample, samples
+from understudy.motion.segments import concatenated, looped, same_skeleton, spliced
+from understudy.motion.transitions import transitions
+
+SAMPLE = "sample:"
+NEAR = 1.0
+"""A transition whose time is not said begins in the last this much of the one motion that it can,
+and leads into the first of the other [s]."""
+
+
+def motion_of(edit: Edit, number: int) -> tuple[Clip, Character]:
+    """The motion and the body of a character, the motion not yet on the body.
+
+    Raises:
+        EditError: A file that cannot be read, an edit outside the clip, a body that cannot be.
+    """
+    said, place = edit.character[number], ("character", number)
+    if said.clip is not None:
+        clip, body = _read(said, edit.source, place), None
+    else:
+        clip, body = _joined(said, edit.source, place)
+    clip = _cut(clip, said, edit.source, place)
+    with edit.source.blaming(place):
+        if said.at is not None or said.heading:
+            clip = placed(clip, at=said.at, heading=said.heading)
+        return clip, body or body_of(said, clip, edit.source, place)
+
+
+def body_of(said: Performer, clip: Clip, source: Source, place: Place) -> Character:
+    """The body that a table asks for."""
+    with source.blaming((*place, "body")):
+        if said.body == OWN:
+            mapping = said.mapping and read_mapping(source.path.parent / said.mapping)
+            return Character.from_clip(
+                clip,
+                plan=said.plan,
+                sex=said.sex or "male",
+                mass=said.mass,
+                height=said.height,
+                mapping=mapping or None,
+            )
+        sizes = {k: v for k in ("height", "mass") if (v := getattr(said, k)) is not None}
+        return getattr(bodies, said.body)(plan=said.plan, **sizes)
+
+
+def files_of(edit: Edit) -> list[str]:
+    """Every file that an edit reads besides itself."""
+    found: list[str] = []
+    for performer in edit.character:
+        for cut in (performer, *performer.segment):
+            words = (None if (cut.clip or SAMPLE).startswith(SAMPLE) else cut.clip, cut.asf)
+            found += [str(edit.source.path.parent / word) for word in words if word]
+        if performer.mapping:
+            found.append(str(edit.source.path.parent / performer.mapping))
+    return found
+
+
+def _read(cut: Cut, source: Source, place: Place) -> Clip:
+    """The clip that a word names: a file or a sample."""
+    word = cut.clip or ""
+    with source.blaming((*place, "clip")):
+        if word.startswith(SAMPLE):
+            if cut.reading:
+                name = next(iter(cut.reading))
+                raise InvalidValue(f"{name} is about reading a file, and {word} is a sample.")
+            return sample(word.removeprefix(SAMPLE))
+        path = source.path.parent / word
+        if word in samples() and not path.exists():
+            raise ClipError(path, f'no such file. Did you mean "{SAMPLE}{word}"?')
+        asf = None if cut.asf is None else source.path.parent / cut.asf
+        options = {**cut.reading, **({"asf": asf} if asf else {})}
+        return read(path, **options)  # type: ignore[arg-type]
+
+
+def _cut(clip: Clip, cut: Cut, source: Source, place: Place) -> Clip:
+    """Trimmed, mirrored, retimed and looped as a table says."""
+    if cut.trim is not None:
+        with source.blaming((*place, "trim")):
+            clip = trimmed(clip, *cut.trim)
+    if cut.mirrored:
+        with source.blaming((*place, "mirrored")):
+            clip = mirrored(clip)
+    with source.blaming((*place, "speed")):
+        clip = retimed(clip, cut.speed)
+    if cut.loops > 1:
+        with source.blaming((*place, "loops")):
+            clip = looped(clip, cut.loops)
+    return clip
+
+
+def _joined(said: Performer, source: Source, place: Place) -> tuple[Clip, Character | None]:
+    """All segments as one motion; with the body it is on, where they are of several skeletons."""
+    clips = []
+    for k, segment in enumerate(said.segment):
+        where = (*place, "segment", k)
+        clips.append(_cut(_read(segment, source, where), segment, source, where))
+    body = None
+    if not all(same_skeleton(clips[0].skeleton, clip.skeleton) for clip in clips[1:]):
+        body = body_of(said, clips[0], source, place)
+        for k, clip in enumerate(clips):
+            with source.blaming((*place, "segment", k, "clip")):
+                clips[k] = retargeted(clip.repaired(), body)
+    whole = clips[0]
+    for k, (clip, segment) in enumerate(zip(clips[1:], said.segment[1:], strict=True), 1):
+        with source.blaming((*place, "segment", k)):
+            whole = _appended(whole, clip, segment)
+    return whole, body
+
+
+def _appended(whole: Clip, clip: Clip, segment: Segment) -> Clip:
+    """A motion that goes over into another."""
+    if segment.blend == 0.0:
+        return concatenated([whole, clip])
+    time, start = segment.time, segment.start
+    if time is None and start is None:
+        time, start = _found(whole, clip, segment.blend)
+    elif time is None:
+        time = max(whole.duration - segment.blend, 0.0)
+    try:
+        return spliced(whole, clip, at=time or 0.0, blend=segment.blend, start=start or 0.0)
+    except InvalidValue as error:  # what is "at" there is "time" in the file
+        raise InvalidValue(re.sub(r"^at is", "time is", str(error))) from None
+
+
+def _found(whole: Clip, clip: Clip, blend: float) -> tuple[float, float]:
+    """The best times to go over near the end of a motion, into the beginning of another [s]."""
+    early = max(whole.duration - blend - NEAR, 0.0)
+    ending = trimmed(whole, early)
+    early = whole.duration - ending.duration
+    beginning = trimmed(clip, 0.0, min(blend + NEAR, clip.duration))
+    # Two motions that are the same one would be searched for jumps back.
+    beginning = replace(beginning, name=f"{beginning.name}, its beginning")
+    best = transitions(ending, beginning, count=1, blend=blend)[0]
+    return early + best.time_a, best.time_b

@@ -1,0 +1,127 @@
+"""The text of an edit file: what it holds, on which line, and errors that say so."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any
+
+from understudy.edit.lines import Place, lines_of
+from understudy.errors import ControllerFailed, Diverged, UnderstudyError, expect
+
+# An edit file is written by a person; more bytes than this are something else.
+MOST_BYTES = 1_000_000
+
+
+class EditError(UnderstudyError):
+    """A mistake in an edit file: names the file, the line, the value and what would be right."""
+
+    def __init__(self, path: str | PathLike[str], problem: str, line: int | None = None):
+        self.path, self.line, self.problem = fspath(path), line, problem
+        where = self.path if line is None else f"{self.path}:{line}"
+        super().__init__(f"{where}: {problem}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """An edit file as text.
+
+    Attributes:
+        path: The file; what it names lies relative to its folder.
+        data: What TOML makes of it.
+        lines: Line of every place in the data.
+    """
+
+    path: Path
+    data: dict[str, Any] = field(default_factory=dict, repr=False)
+    lines: dict[Place, int] = field(default_factory=dict, repr=False)
+
+    def line(self, place: Place) -> int | None:
+        """The line of a place, or of the nearest thing around it that has one."""
+        while place and place not in self.lines:
+            place = place[:-1]
+        return self.lines.get(place)
+
+    def error(self, place: Place, problem: str) -> EditError:
+        """The error to raise for what is wrong at a place."""
+        return EditError(self.path, problem, self.line(place))
+
+    @contextmanager
+    def blaming(self, place: Place) -> Iterator[None]:
+        """Within: an error becomes one of this file, on the line of the key it speaks of.
+
+        Raises:
+            EditError: In place of any other `UnderstudyError` but a simulation's.
+        """
+        try:
+            yield
+        except (EditError, Diverged, ControllerFailed):
+            raise
+        except UnderstudyError as error:
+            raise self.error(self._key_in(str(error), place), str(error)) from error
+
+    def _key_in(self, text: str, place: Place) -> Place:
+        """The key, of a table or of those around it, that a message is about.
+
+        Messages read "radius of drum is", "Push: impulse is".
+        """
+        for length in range(len(place), -1, -1):
+            around = place[:length]
+            keys = [k[-1] for k in self.lines if k[:-1] == around and isinstance(k[-1], str)]
+            for key in sorted(keys, key=len, reverse=True):
+                if re.search(rf"(?<![\w.]){re.escape(key)} (?:is|has|of)\b", text):
+                    return (*around, key)
+        return place
+
+
+def source(path: str | PathLike[str]) -> Source:
+    """Read an edit file.
+
+    Raises:
+        EditError: It cannot be read, or is not TOML; names the line.
+        InvalidValue: `path` is no name of a file.
+    """
+    expect(path, (str, PathLike), "path", "the name of an edit file")
+    try:
+        with Path(path).open("rb") as file:
+            raw = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise EditError(path, f"{(error.strerror or str(error)).lower()}.") from None
+    except ValueError as error:
+        raise EditError(repr(path), f"is no name of a file: {error}.") from None
+    if len(raw) > MOST_BYTES:
+        raise EditError(path, f"holds more than {MOST_BYTES} bytes; it is no edit file.")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise EditError(path, "is not UTF-8 text; save it as UTF-8.", line) from None
+    return parsed(text, path)
+
+
+def parsed(text: str, path: str | PathLike[str]) -> Source:
+    """The source of a text; `path` is where it is said to be from."""
+    try:
+        data = tomllib.loads(text)
+        lines = lines_of(text)
+    except RecursionError:
+        raise EditError(path, "is nested too deeply; no key of an edit file is.") from None
+    except ValueError as error:  # TOMLDecodeError, and numbers of too many digits
+        raise _refused(path, text, error) from None
+    return Source(path=Path(path), data=data, lines=lines)
+
+
+def _refused(path: str | PathLike[str], text: str, error: ValueError) -> EditError:
+    """What is wrong with a text that is not TOML."""
+    found = re.fullmatch(r"(.*?) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error))
+    if found is None:
+        return EditError(path, f"is not TOML: {error}.")
+    problem, line, column = found.groups()
+    where = f" at column {column}" if column else " at the end"
+    number = int(line) if line else text.count("\n", 0, max(len(text) - 1, 0)) + 1
+    return EditError(path, f"is not TOML: {problem}{where}.", number)

@@ -1,0 +1,227 @@
+"""An edit as a performance: motions on their bodies, hands placed, tasks fitted, one scene."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import Any, cast
+
+import numpy as np
+
+from understudy.character import Character
+from understudy.control import Disturbance, Push, Task, Throw, Tracking
+from understudy.control.task import check_overlaps
+from understudy.edit.edit import Edit
+from understudy.edit.lines import Place
+from understudy.edit.motions import motion_of
+from understudy.errors import UnderstudyError
+from understudy.motion.clip import Clip
+from understudy.motion.reaching import meeting, reaching
+from understudy.performance import Performance, together, tracked
+from understudy.scene import Scene
+
+NARROW = 0.2
+"""Two characters whose roots begin nearer to each other than this stand in each other [m]."""
+
+
+def staged(edit: Edit) -> Performance:
+    """The performance of an edit; raises as `Edit.performance`."""
+    alone = _alone(edit)
+    _check_apart(edit, alone)
+    references = [_tracking(one).reference for one in alone]
+    _place_hands(edit, references)
+    tasks = _fitted_tasks(edit, alone, references)
+    for k, (one, reference) in enumerate(zip(alone, references, strict=True)):
+        tracking = replace(_tracking(one), reference=reference)
+        alone[k] = replace(one, controllers=(tracking, *tasks[k]), duration=reference.duration)
+    whole = alone[0] if len(alone) == 1 else together(*alone)
+    scene = _furnished(edit, whole.scene)
+    happening = _happening(edit, scene, references)
+    for k, own in enumerate(tasks):
+        for j, task in enumerate(own):
+            _check(edit, replace(task, character=k), scene, ("character", k, "task", j))
+    with edit.source.blaming(()):
+        return replace(
+            whole,
+            scene=scene,
+            controllers=(*whole.controllers, *happening),
+            duration=whole.duration if edit.duration is None else edit.duration,
+        )
+
+
+def _alone(edit: Edit) -> list[Performance]:
+    """Every character tracking its motion by itself, with nothing else to do."""
+    found: list[Performance] = []
+    for k, said in enumerate(edit.character):
+        motion, body = motion_of(edit, k)
+        pelvis = said.pelvis or next((t.pelvis for t in said.task if t.pelvis), None)
+        step = found[0].scene.timestep if found else edit.timestep
+        with edit.source.blaming(("character", k)):
+            found.append(
+                tracked(
+                    motion,
+                    body,
+                    pelvis=pelvis,
+                    ground=edit.ground,
+                    timestep=step,
+                    self_collision=edit.self_collision,
+                    seed=edit.seed,
+                    **said.settings,
+                )
+            )
+    return found
+
+
+def _tracking(performance: Performance) -> Tracking:
+    return cast(Tracking, performance.controllers[0])
+
+
+def _check_apart(edit: Edit, alone: Sequence[Performance]) -> None:
+    """Refuse two characters that stand in each other."""
+    starts = [_tracking(one).reference.root_positions[0, :2] for one in alone]
+    for (i, a), (j, b) in combinations(enumerate(starts), 2):
+        if np.linalg.norm(a - b) < NARROW:
+            raise edit.source.error(
+                ("character", j, "at"),
+                f"Characters {i + 1} and {j + 1} both begin at ({b[0]:.2f}, {b[1]:.2f}) m; put one "
+                "somewhere else, as at = [0.9, 0.0] and heading = 180.",
+            )
+
+
+# -- hands -------------------------------------------------------------------------------------
+
+
+def _place_hands(edit: Edit, references: list[Clip]) -> None:
+    """Change the references so that hands are where offsets and meetings want them."""
+    for k, said in enumerate(edit.character):
+        targets = [offset.target(said.speed) for offset in said.offset]
+        try:
+            references[k] = reaching(references[k], targets)
+        except UnderstudyError:
+            for j, target in enumerate(targets):  # whose fault it is, each by itself first
+                with edit.source.blaming(("character", k, "offset", j)):
+                    reaching(references[k], [target])
+            for j in range(1, len(targets)):
+                with edit.source.blaming(("character", k, "offset", j)):
+                    reaching(references[k], targets[: j + 1])
+            raise
+    pairs = dict.fromkeys(meet.characters for meet in edit.meet)
+    for pair in pairs:
+        numbers = [k for k, meet in enumerate(edit.meet) if meet.characters == pair]
+        _meet(edit, references, numbers, pair[0] - 1, pair[1] - 1)
+
+
+def _meet(edit: Edit, references: list[Clip], numbers: list[int], one: int, two: int) -> None:
+    """Let hands of one pair of characters come together."""
+    meets = [edit.meet[k].meet(edit.character[one].speed) for k in numbers]
+    try:
+        references[one], references[two] = meeting(references[one], references[two], meets)
+    except UnderstudyError:
+        for end in (1, None):  # each by itself, then with all before it
+            for j, k in enumerate(numbers):
+                with edit.source.blaming(("meet", k)):
+                    some = meets[j : j + 1] if end else meets[: j + 1]
+                    meeting(references[one], references[two], some)
+        raise
+
+
+# -- tasks -------------------------------------------------------------------------------------
+
+
+def _fitted_tasks(
+    edit: Edit, alone: Sequence[Performance], references: list[Clip]
+) -> list[list[Task]]:
+    """Every character's tasks, made ready; they may change the references."""
+    every: list[list[Task]] = []
+    for k, said in enumerate(edit.character):
+        body, own = cast(Character, alone[k].scene.characters[0]), []
+        for j, task in enumerate(said.task):
+            with edit.source.blaming(("character", k, "task", j)):
+                fitted, references[k] = task.fitted(references[k], body)
+                own.append(fitted)
+                check_overlaps(own)
+        every.append(own)
+    return every
+
+
+def _check(edit: Edit, one: Task | Disturbance, scene: Scene, place: Place) -> None:
+    """Let a task or a disturbance look at the scene, as it will before it is simulated."""
+    with edit.source.blaming(place):
+        one.configure(scene, copy.copy(scene.model))
+
+
+# -- the scene ---------------------------------------------------------------------------------
+
+
+def _furnished(edit: Edit, scene: Scene) -> Scene:
+    """The scene with props and contacts."""
+    try:
+        whole = replace(scene, props=edit.prop, contacts=edit.contacts)
+        _ = whole.model
+    except UnderstudyError:
+        for k in range(len(edit.prop)):
+            with edit.source.blaming(("prop", k)):
+                _ = replace(scene, props=edit.prop[: k + 1]).model
+        pairs = edit.contacts if isinstance(edit.contacts, tuple) else ()
+        for k, pair in enumerate(pairs):
+            with edit.source.blaming(("contacts", k)):
+                _ = replace(scene, props=edit.prop, contacts=(pair,)).model
+        with edit.source.blaming(("contacts",)):
+            raise
+    return whole
+
+
+def _happening(edit: Edit, scene: Scene, references: Sequence[Clip]) -> list[Any]:
+    """Pushes, throws, and how each character gives way to those that concern it."""
+    found: list[Any] = []
+    hits: list[list[float]] = [[] for _ in references]
+    for k, push in enumerate(edit.push):
+        _check(edit, push, scene, ("push", k))
+        found.append(push)
+        for who in _concerned(scene, push):
+            hits[who].append(push.time)
+    for k, throw in enumerate(edit.throw):
+        place = ("throw", k)
+        concerned = _concerned(scene, throw)
+        if isinstance(throw.at, str):
+            with edit.source.blaming(place):
+                throw = _aimed(throw, scene, concerned, references)
+        _check(edit, throw, scene, place)
+        found.append(throw)
+        for who in concerned:
+            hits[who].append(throw.time)
+    if edit.give_way is not None:
+        for who, times in enumerate(hits):
+            one = replace(edit.give_way, character=who, hits=(*edit.give_way.hits, *times))
+            _check(edit, one, scene, ("give_way",))
+            found.append(one)
+    return found
+
+
+def _aimed(
+    throw: Throw, scene: Scene, concerned: Sequence[int], references: Sequence[Clip]
+) -> Throw:
+    """A throw at a link, led to where that is when the ball arrives."""
+    who = concerned[0] if concerned else 0
+    own = replace(throw, at=str(throw.at).rpartition("/")[2], character=who)
+    return own.fitted(references[who], cast(Character, scene.characters[who]))[0]
+
+
+def _concerned(scene: Scene, one: Push | Throw) -> list[int]:
+    """Numbers of the characters that a push or a throw hits: by the names of links in the scene.
+
+    A throw at a point may hit anybody.
+    """
+    everybody = list(range(len(scene.characters)))
+    name = one.on if isinstance(one, Push) else one.at
+    if not isinstance(name, str):
+        return everybody
+    held = {getattr(p, "name", ""): getattr(p, "held_by", None) for p in scene.props}
+    name = held.get(name) or name
+    return [
+        who
+        for who in everybody
+        if name in {scene.prefix(who) + link.name for link in scene.characters[who].links}
+    ]
