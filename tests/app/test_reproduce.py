@@ -10,6 +10,7 @@ import pytest
 import understudy as us
 from understudy.app.main import main
 from understudy.drive_tuning import read_parameters
+from understudy.fidelity import drive_error
 
 
 @pytest.fixture(scope="module")
@@ -95,4 +96,4 @@ def test_tune_drive_writes_parameters_that_other_clips_use(short, tmp_path, capf
     assert kept == found["driven"]
     clip = us.sample("walk").trimmed(0.0, 0.5)
     performance = us.driven(clip, us.Linkage.from_clip(clip, "skeleton"), **kept)
-    assert us.drive_error(us.simulate(performance)).mean < 100.0
+    assert drive_error(us.simulate(performance)).mean < 100.0
