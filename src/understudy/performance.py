@@ -14,9 +14,9 @@ from understudy.character import Character, Linkage, retargeted
 from understudy.character.body import SelfCollision
 from understudy.character.build import size_doubts
 from understudy.character.soles import planted, standing
-from understudy.control import Controller, Disturbance, Drive, Task, Tracking
+from understudy.control import Controller, Disturbance, Drive, GiveWay, Task, Tracking
 from understudy.control.task import check_overlaps
-from understudy.errors import InvalidValue, UnknownName, expect
+from understudy.errors import InvalidValue, UnknownName, expect, shown
 from understudy.motion.clip import Clip
 from understudy.scene import Contacts, Ground, Prop, Scene, timestep_for
 
@@ -233,6 +233,9 @@ def driven(
     gravity: float | None = None,
     scale: float = 1.0,
     substeps: int | None = None,
+    tasks: Sequence[Disturbance | GiveWay] = (),
+    props: Sequence[Prop] = (),
+    contacts: Contacts = (),
     ground: Ground | None = None,
     duration: float | None = None,
     seed: int = 0,
@@ -254,6 +257,10 @@ def driven(
             same gravity moves as this one under half of it, and so it is done.
         substeps: Physics steps per frame; by default one for the paper's law, otherwise so many
             that a step lasts at most 1/240 s.
+        tasks: What happens to the bodies (`Push`, `Throw`), and `GiveWay`, under which the drive's
+            own strength falls and recovers.
+        props: Things in the scene.
+        contacts: What touches besides the ground; see `Scene`.
         ground: A floor, for linkages with contact; none by default.
         duration: Simulated time [s]; by default the clip's.
         seed: Seed of the performance.
@@ -279,9 +286,12 @@ def driven(
     scene = Scene(
         characters=(linkage,),
         ground=ground,
+        props=tuple(props),
+        contacts=contacts,
         timestep=1.0 / (reference.rate * substeps),
         gravity=gravity / scale,
     )
+    given, settings = _given_way(tasks, reference, settings)
     drive = Drive(
         reference=reference,
         captured=captured,
@@ -292,10 +302,30 @@ def driven(
     drive.check(scene)
     return Performance(
         scene=scene,
-        controllers=(drive,),
+        controllers=(drive, *given),
         duration=reference.duration if duration is None else duration,
         seed=seed,
     )
+
+
+def _given_way(
+    tasks: Sequence[Disturbance | GiveWay], reference: Clip, settings: dict[str, object]
+) -> tuple[list[Disturbance], dict[str, object]]:
+    """Disturbances of a drive, and its settings with the strength that hits leave it."""
+    hits: list[Disturbance] = []
+    for task in tasks:
+        if isinstance(task, GiveWay):
+            share = task.share(reference.times)[:, None]
+            own = settings.get("strength")
+            whole = np.ones((1, len(reference.skeleton))) if own is None else np.asarray(own, float)
+            settings = {**settings, "strength": share * np.atleast_2d(whole)}
+        elif isinstance(task, Disturbance):
+            hits.append(task)
+        else:
+            raise InvalidValue(
+                f"task is {shown(task)}; a drive takes Push, Throw and GiveWay: it has no servos."
+            )
+    return hits, settings
 
 
 def _check_names(function: Callable[..., object], kind: type, settings: Iterable[str]) -> None:

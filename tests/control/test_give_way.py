@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import understudy as us
-from understudy.control import GiveWay, Push
+from understudy.control import GiveWay, LookAt, Push
 from understudy.control.give_way import _COUNT, _FIRST, _HITS, _STRENGTH, strength_at
 from understudy.errors import InvalidValue
 from understudy.evaluate import compare
@@ -77,3 +77,28 @@ def test_times_come_from_what_hits():
 def test_values_that_cannot_be_meant_are_refused(settings, message):
     with pytest.raises(InvalidValue, match=message):
         GiveWay(**settings)
+
+
+def test_driven_bodies_give_way_and_come_back_too():
+    clip = us.sample("gesture").trimmed(0.0, 2.0)
+    linkage = us.Linkage.from_clip(clip, "constrained")
+    push = Push(time=0.8, on="upper_back", impulse=(-10.0, 5.0, 0.0))
+
+    def away(*tasks) -> tuple[np.ndarray, np.ndarray]:
+        take = us.simulate(us.driven(clip, linkage, rate=60.0, tasks=tasks))
+        moved = take.clip().forward_kinematics().positions
+        reference = take.references[0].forward_kinematics().positions
+        return take.clip().times, np.linalg.norm(moved - reference, axis=-1).max(axis=1)
+
+    times, stiff = away(push)
+    _, soft = away(push, GiveWay.after(push))
+    hit = (times > 0.8) & (times < 1.1)
+    assert soft[hit].max() > 3.0 * stiff[hit].max()
+    assert soft[hit].max() > 0.02
+    assert soft[times > 1.8].max() < 0.002
+
+
+def test_a_drive_takes_no_task_that_needs_servos():
+    clip = us.sample("gesture").trimmed(0.0, 0.5)
+    with pytest.raises(InvalidValue, match="a drive takes Push, Throw and GiveWay"):
+        us.driven(clip, us.Linkage.from_clip(clip), tasks=[LookAt(target=(1, 0, 1))])  # type: ignore[list-item]

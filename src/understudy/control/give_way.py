@@ -68,6 +68,16 @@ class GiveWay(Task):
         """One that gives way to these pushes and throws; settings as for `GiveWay`."""
         return cls(hits=tuple(one.time for one in disturbances), **settings)
 
+    def share(self, times: Array) -> Array:
+        """What is left of the strength at times [s], 0 to 1, shape (times,)."""
+        numbers = self._numbers((0, 0, 0), 0)
+        return np.array([strength_at(float(time), numbers) for time in times])
+
+    def _numbers(self, slides: tuple[int, int, int], rows: int) -> Array:
+        """What the law reads before the joints: the course of strength, the root, the hits."""
+        course = (self.strength, self.fall, self.limp, self.recovery)
+        return np.array([*self.times, *course, *slides, len(self.hits), rows, *self.hits])
+
     def check_joints(self, body: Character) -> None:
         """Refuse a body that lacks a joint named in `give`; it shares all others with tasks.
 
@@ -97,13 +107,9 @@ class GiveWay(Task):
             0.0,
         )
         slides = (part.qpos.start, part.dofs.start, part.root_controls[0])
-        head = (self.strength, self.fall, self.limp, self.recovery, *slides, len(self.hits))
         rows = np.concatenate((root[None], rows))
-        return (
-            _law,
-            np.array([*self.times, *head, len(rows), *self.hits, *rows.ravel()]),
-            np.zeros(0),
-        )
+        numbers = self._numbers(slides, len(rows))
+        return _law, np.concatenate((numbers, rows.ravel())), np.zeros(0)
 
 
 _STRENGTH, _SLIDES, _HITS, _COUNT, _FIRST = (TIMES + k for k in (0, 4, 7, 8, 9))
