@@ -116,3 +116,11 @@ def test_a_performance_with_tasks_is_the_same_on_any_number_of_threads(clip):
         for one, many in zip(alone, simulate_many(made, threads=threads), strict=True):
             assert isinstance(many, us.Take)
             np.testing.assert_array_equal(one.qpos, many.qpos)
+
+
+def test_a_take_says_which_tasks_it_was_asked_for(clip):
+    take = us.track(clip, adult_man(), tasks=[Upright(span=(0.2, 0.8))])
+    assert take.facts["tasks"] == [
+        "Upright(character=0, span=(0.2, 0.8), ease=0.3, hand='right', axis=(1.0, 0.0, 0.0), "
+        "stiffness=200.0, damping_ratio=0.8)"
+    ]

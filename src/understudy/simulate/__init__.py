@@ -27,7 +27,16 @@ import numpy as np
 from tqdm import tqdm
 
 from understudy.character import Character
-from understudy.control import Compiled, Controls, Drive, OpenLoop, PythonController, Tracking
+from understudy.control import (
+    Compiled,
+    Controls,
+    Disturbance,
+    Drive,
+    OpenLoop,
+    PythonController,
+    Task,
+    Tracking,
+)
 from understudy.errors import ControllerFailed, Diverged, InvalidValue
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
@@ -343,6 +352,9 @@ def _take(performance: Performance, model: mujoco.MjModel, states: Array, block:
         facts |= getattr(controller, "facts", {})
         if isinstance(controller, Drive):
             facts |= controller.settings(performance.scene)
+    asked = [repr(c) for c in performance.controllers if isinstance(c, Task | Disturbance)]
+    if asked:
+        facts["tasks"] = asked
     return Take(
         scene=performance.scene,
         performance=performance,
