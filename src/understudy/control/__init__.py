@@ -3,6 +3,7 @@
 In: a `Scene` and a reference `Clip`. Out: controls for `simulate`; nothing here steps the engine.
 """
 
+from understudy.control.balance import Balance
 from understudy.control.controller import (
     Compiled,
     Controller,
@@ -21,6 +22,7 @@ from understudy.control.tracking import Tracking
 from understudy.control.upright import Upright
 
 __all__ = [
+    "Balance",
     "Compiled",
     "Controller",
     "Controls",
