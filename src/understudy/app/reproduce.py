@@ -2,45 +2,51 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from tyro.conf import Positional, arg
 
 from understudy.app.outcome import Outcome, table
+from understudy.errors import InvalidValue
 
 if TYPE_CHECKING:
-    from understudy.papers.wilke2017 import Reproduced
+    from understudy.papers import wilke2017, zordan1999
 
 EXAMPLE = """\
   understudy reproduce wilke2017 --out out
-  understudy reproduce wilke2017 --clips cmu --out out"""
+  understudy reproduce wilke2017 --clips cmu --out out
+  understudy reproduce zordan1999 --clips cmu"""
+# What only one paper's experiments know.
+_SEARCHES = ("fetch", "points", "runs", "evaluations", "seed")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
     """Run a paper's experiments again: published and measured numbers side by side.
 
-    wilke2017: tables 1 to 4 and figures 2 to 11 of Wilke & Semwal 2017. Writes wilke2017.html,
-    wilke2017.json and a CSV per table. The page says which clips stand in for the paper's, and what
-    cannot be compared and why. About two minutes on two cores.
+    wilke2017: tables 1 to 4 and figures 2 to 11 of Wilke & Semwal 2017. zordan1999: figures 1 and 4
+    to 9 of Zordan & Hodgins 1999. Writes PAPER.html, PAPER.json and a CSV per table. The page says
+    which clips stand in for the paper's, and what cannot be compared and why. About two minutes on
+    two cores.
 
     Attributes:
-        paper: wilke2017.
-        clips: Folder with CMU motions, BVH or AMC: 141_02, 08, 14, 15, 30, or 127_03, 14_21,
-            135_04, 127_02, 09_12 and others in their place; bundled samples for what is missing.
-        fetch: Download motions that are missing, where a public source is known.
-        points: Points of a run of algorithm 1; nine simulations each.
-        runs: Runs of algorithm 1 for each linkage; 0 for the paper's 5, 9 and 10.
-        evaluations: Simulations of CMA-ES.
-        seed: Seed of the searches.
-        quick: Two seconds of each clip and a token search, to see that all of it runs.
+        paper: wilke2017 or zordan1999.
+        clips: Folder with captured motions, BVH or AMC; bundled samples for what is missing.
+            wilke2017: CMU 141_02, 08, 14, 15, 30, or 127_03, 14_21, 135_04, 127_02, 09_12 and
+            others in their place. zordan1999: a gesture, CMU 13_26, 13_18, 02_05 or wave_hello.
+        fetch: Download motions that are missing, where a public source is known (wilke2017).
+        points: Points of a run of algorithm 1; nine simulations each (wilke2017).
+        runs: Runs of algorithm 1 for each linkage; 0 for the paper's 5, 9 and 10 (wilke2017).
+        evaluations: Simulations of CMA-ES (wilke2017).
+        seed: Seed of the searches (wilke2017).
+        quick: Short clips and token experiments, to see that all of it runs.
         out: Folder for the files.
         json: Print one JSON object.
     """
 
-    paper: Positional[Annotated[Literal["wilke2017"], arg(metavar="PAPER")]]
+    paper: Positional[Annotated[Literal["wilke2017", "zordan1999"], arg(metavar="PAPER")]]
     clips: Annotated[Path | None, arg(metavar="FOLDER", help_behavior_hint="(default: none)")] = (
         None
     )
@@ -50,12 +56,22 @@ class Options:
     evaluations: Annotated[int, arg(metavar="N")] = 90
     seed: Annotated[int, arg(metavar="N")] = 0
     quick: bool = False
-    out: Annotated[Path, arg(metavar="DIR")] = Path("wilke2017")
+    out: Annotated[
+        Path | None, arg(metavar="DIR", help_behavior_hint="(default: the paper's name)")
+    ] = None
     json: bool = False
 
 
 def run(options: Options) -> Outcome:
     """Run the experiments and write the page."""
+    from understudy.app.performing import ready
+
+    folder = options.out or Path(options.paper)
+    ready(folder)
+    return _wilke(options, folder) if options.paper == "wilke2017" else _zordan(options, folder)
+
+
+def _wilke(options: Options, out: Path) -> Outcome:
     from understudy.app.performing import staged
     from understudy.papers import wilke2017
 
@@ -72,12 +88,44 @@ def run(options: Options) -> Outcome:
         online=options.fetch,
         progress=True,
     )
-    with staged(options.out, options.paper) as (folder, files):
+    with staged(out, options.paper) as (folder, files):
         wilke2017.write(found, folder)
     return Outcome(result=wilke2017.as_dict(found) | {"files": files}, text=summary(found, files))
 
 
-def summary(found: Reproduced, files: dict[str, str]) -> str:
+def _zordan(options: Options, out: Path) -> Outcome:
+    from understudy.app.performing import staged
+    from understudy.papers import zordan1999
+
+    usual = {field.name: field.default for field in fields(Options)}
+    for name in _SEARCHES:
+        if getattr(options, name) != usual[name]:
+            raise InvalidValue(f"--{name} is for wilke2017; zordan1999 has no searches.")
+    found = zordan1999.reproduce(options.clips, quick=options.quick, progress=True)
+    with staged(out, options.paper) as (folder, files):
+        zordan1999.write(found, folder)
+    return Outcome(result=zordan1999.as_dict(found) | {"files": files}, text=told(found, files))
+
+
+def told(found: zordan1999.Reproduced, files: dict[str, str]) -> str:
+    """What the paper says of each figure, what was measured, and the files."""
+    from understudy.papers.zordan1999.page import QUICK
+
+    held, count = found.held
+    parts = [QUICK] if found.quick else []
+    parts.append(f"gesture: {found.cast.source}")
+    for finding in found.findings:
+        if finding.claims:
+            lines = [f"Figure {finding.figure}. {finding.title}"]
+            for claim in finding.claims:
+                lines.append(f"  {'yes' if claim.holds else 'NO '}  {claim.said}")
+                lines.append(f"       {claim.measured}")
+            parts.append("\n".join(lines))
+    parts.append(f"{held} of {count} statements hold.")
+    return "\n\n".join([*parts, _listed(files)])
+
+
+def summary(found: wilke2017.Reproduced, files: dict[str, str]) -> str:
     """Who played, tables 1 and 3, and the files."""
     from understudy.papers.wilke2017.page import PARTS, QUICK, SETTINGS
 
@@ -89,7 +137,11 @@ def summary(found: Reproduced, files: dict[str, str]) -> str:
         numbers = [k for k, cell in enumerate(sheet.rows[0]) if not isinstance(cell, str)]
         parts.append(f"{sheet.name}. {sheet.caption}\n{table(rows, right=numbers)}")
         parts += sheet.notes
-    return "\n\n".join([*parts, "\n".join(["files:", *(f"  {path}" for path in files.values())])])
+    return "\n\n".join([*parts, _listed(files)])
+
+
+def _listed(files: dict[str, str]) -> str:
+    return "\n".join(["files:", *(f"  {path}" for path in files.values())])
 
 
 def _shown(cell: Any) -> str:
