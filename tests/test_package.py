@@ -113,3 +113,12 @@ def test_the_readme_script_runs_as_it_stands(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "joint error" in done.stdout
     assert {"walk_sim.bvh", "walk_sim.glb", "walk.html"} <= {p.name for p in tmp_path.iterdir()}
+
+
+def test_the_readme_edit_file_performs_as_it_stands(tmp_path):
+    (text,) = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
+    (tmp_path / "hit.toml").write_text(text, encoding="utf-8")
+    take = us.perform(tmp_path / "hit.toml")
+    assert {"GiveWay", "LookAt", "Push", "Throw"} == {
+        said.partition("(")[0] for said in take.facts["tasks"]
+    }
