@@ -12,7 +12,6 @@ import numpy as np
 from understudy.control.quaternion import (
     arc,
     composed,
-    exponential,
     inverse,
     orientation,
     quaternion_at,
@@ -45,20 +44,25 @@ class LookAt(Task):
 
     Attributes:
         target: A point [m], world, 3 numbers, or a named site of the scene, which may move.
-        limit: Largest angle between the face and the chest's forward direction [rad]; what is
-            farther behind is looked at as far as that. By default 75 degrees.
+        limit: How far the face turns from the chest's forward direction, sideways and up or down
+            [rad]; what is farther behind or below is looked at as far as that. By default 75 and 45
+            degrees, a comfortable part of what a neck can; eyes do the rest.
     """
 
     target: str | tuple[float, float, float]
-    limit: float = math.radians(75.0)
+    limit: tuple[float, float] = (math.radians(75.0), math.radians(45.0))
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not isinstance(self.target, str):
             point = frozen_array(self.target, (3,), "LookAt: target")
             object.__setattr__(self, "target", tuple(point.tolist()))
-        if not 0.0 < self.limit <= math.pi:
-            raise InvalidValue(f"LookAt: limit is {self.limit} rad; it must lie in 0 to pi.")
+        limit = frozen_array(self.limit, (2,), "LookAt: limit")
+        if not ((limit > 0.0) & (limit <= math.pi)).all():
+            raise InvalidValue(
+                f"LookAt: limit is {self.limit} rad; it must be two angles, each in 0 to pi."
+            )
+        object.__setattr__(self, "limit", tuple(limit.tolist()))
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -85,11 +89,11 @@ class LookAt(Task):
         body = scene.characters[self.character]
         eyes = np.array(_EYES) * body.height
         rows = joint_rows(scene, model, self.character, self.joints)
-        head = (*self.times, scene.timestep, site, *point, *eyes, self.limit)
+        head = (*self.times, scene.timestep, site, *point, *eyes, *self.limit)
         return _law, np.array([*head, *rows.ravel()]), np.zeros(8)
 
 
-_DT, _SITE, _POINT, _AT_EYES, _LIMIT, _ROW = (TIMES + k for k in (0, 1, 2, 5, 8, 9))
+_DT, _SITE, _POINT, _AT_EYES, _LIMIT, _ROW = (TIMES + k for k in (0, 1, 2, 5, 8, 10))
 
 
 def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
@@ -110,8 +114,9 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
     tx = tx - state.xpos[body, 0] - ex
     ty = ty - state.xpos[body, 1] - ey
     tz = tz - state.xpos[body, 2] - ez
-    ahead = rotated(chest, (1.0, 0.0, 0.0))
-    tx, ty, tz = within(ahead, (tx, ty, tz), parameters[_LIMIT])
+    way = rotated(inverse(chest), (tx, ty, tz))
+    way = within(way, parameters[_LIMIT], parameters[_LIMIT + 1])
+    tx, ty, tz = rotated(chest, way)
     fx, fy, fz = rotated(head, (1.0, 0.0, 0.0))
     wanted = composed(inverse(chest), composed(arc(fx, fy, fz, tx, ty, tz), head))
     sx, sy, sz = changing(memory, 1, wanted, memory[0] > 0.0, dt)
@@ -122,16 +127,16 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
     memory[0] = 1.0
 
 
-def within(ahead, way, limit):  # type: ignore[no-untyped-def]
-    """A direction, brought to at most an angle [rad] from straight ahead."""
-    nx = ahead[1] * way[2] - ahead[2] * way[1]
-    ny = ahead[2] * way[0] - ahead[0] * way[2]
-    nz = ahead[0] * way[1] - ahead[1] * way[0]
-    size = math.sqrt(nx * nx + ny * ny + nz * nz)
-    cosine = ahead[0] * way[0] + ahead[1] * way[1] + ahead[2] * way[2]
-    if math.atan2(size, cosine) <= limit:
+def within(way, sideways, upward):  # type: ignore[no-untyped-def]
+    """A direction in the chest's frame, brought inside an ellipse of angles about ahead."""
+    yaw = math.atan2(way[1], way[0])
+    pitch = math.atan2(way[2], math.sqrt(way[0] * way[0] + way[1] * way[1]))
+    over = math.sqrt((yaw / sideways) ** 2 + (pitch / upward) ** 2)
+    if over <= 1.0:
         return way
-    if size < 1e-9:
-        return ahead
-    turn = exponential(limit * nx / size, limit * ny / size, limit * nz / size)
-    return rotated(turn, ahead)
+    yaw, pitch = yaw / over, pitch / over
+    return (
+        math.cos(pitch) * math.cos(yaw),
+        math.cos(pitch) * math.sin(yaw),
+        math.sin(pitch),
+    )
