@@ -246,7 +246,8 @@ class Edit:
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.character) <= 24:
-            raise InvalidValue(f"{len(self.character)} characters; it must be 1 to 24.")
+            count = f"{len(self.character)} times [[character]]; it must be 1 to 24."
+            raise self.source.error(("character",), count)
         if self.seed < 0:
             raise InvalidValue(f"seed is {self.seed}; it must be zero or positive.")
         if self.duration is not None and not self.duration > 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import replace
 
@@ -44,16 +45,19 @@ def motion_of(edit: Edit, number: int) -> tuple[Clip, Character]:
 
 def body_of(said: Performer, clip: Clip, source: Source, place: Place) -> Character:
     """The body that a table asks for."""
+    mapping = None
+    if said.mapping:
+        with source.blaming((*place, "mapping")):
+            mapping = read_mapping(source.path.parent / said.mapping)
     with source.blaming((*place, "body")):
         if said.body == OWN:
-            mapping = said.mapping and read_mapping(source.path.parent / said.mapping)
             return Character.from_clip(
                 clip,
                 plan=said.plan,
                 sex=said.sex or "male",
                 mass=said.mass,
                 height=said.height,
-                mapping=mapping or None,
+                mapping=mapping,
             )
         sizes = {k: v for k in ("height", "mass") if (v := getattr(said, k)) is not None}
         return getattr(bodies, said.body)(plan=said.plan, **sizes)
@@ -92,7 +96,8 @@ def _cut(clip: Clip, cut: Cut, source: Source, place: Place) -> Clip:
     """Trimmed, mirrored, retimed and looped as a table says."""
     if cut.trim is not None:
         with source.blaming((*place, "trim")):
-            clip = trimmed(clip, *cut.trim)
+            start, end = cut.trim
+            clip = trimmed(clip, start, None if math.isinf(end) else end)
     if cut.mirrored:
         with source.blaming((*place, "mirrored")):
             clip = mirrored(clip)

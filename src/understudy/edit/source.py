@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from understudy.edit.lines import Place, lines_of
-from understudy.errors import ControllerFailed, Diverged, UnderstudyError, expect
+from understudy.errors import ControllerFailed, Diverged, UnderstudyError, UnknownName, expect
 
 # An edit file is written by a person; more bytes than this are something else.
 MOST_BYTES = 1_000_000
@@ -63,20 +63,56 @@ class Source:
         except (EditError, Diverged, ControllerFailed):
             raise
         except UnderstudyError as error:
-            raise self.error(self._key_in(str(error), place), str(error)) from error
+            text = str(error)
+            for said, meant in _IN_THE_FILE:
+                text = re.sub(said, meant, text)
+            raise self.error(self._key_of(error, place), text) from error
 
-    def _key_in(self, text: str, place: Place) -> Place:
-        """The key, of a table or of those around it, that a message is about.
+    def at(self, place: Place) -> Any:
+        """What the file has at a place; None where it has nothing."""
+        value: Any = self.data
+        try:
+            for part in place:
+                value = value[part]
+        except (KeyError, IndexError, TypeError):
+            return None
+        return value
 
-        Messages read "radius of drum is", "Push: impulse is".
+    def _key_of(self, error: UnderstudyError, place: Place) -> Place:
+        """The key, of a table or of those around it, that an error is about.
+
+        Messages read "radius of drum is", "Push: impulse is"; an unknown name is a key's value.
         """
         for length in range(len(place), -1, -1):
             around = place[:length]
-            keys = [k[-1] for k in self.lines if k[:-1] == around and isinstance(k[-1], str)]
-            for key in sorted(keys, key=len, reverse=True):
-                if re.search(rf"(?<![\w.]){re.escape(key)} (?:is|has|of)\b", text):
-                    return (*around, key)
+            table = self.at(around)
+            for key in sorted(table, key=len, reverse=True) if isinstance(table, dict) else ():
+                where = (*around, key)
+                if where == place[: length + 1] or _holds_tables(table[key]):
+                    continue
+                if isinstance(error, UnknownName):
+                    held = table[key] if isinstance(table[key], list) else [table[key]]
+                    if error.name in held:
+                        return where
+                elif re.search(rf"(?<![\w.]){re.escape(key)} (?:is|has|of)\b", str(error)):
+                    return where
         return place
+
+
+def _holds_tables(value: object) -> bool:
+    """Whether a key opens a table or a list of them."""
+    return isinstance(value, dict) or (
+        isinstance(value, list) and any(isinstance(item, dict) for item in value)
+    )
+
+
+# What messages of Python functions call by another name than the file does.
+_IN_THE_FILE = (
+    (r" \(--[\w-]+\)", ""),
+    (r"or use spliced, which", "or write segments with a blend above 0, which"),
+    (r"Place one clip nearer: clip\.placed\(at=\.\.\.\)", "Put one nearer, as at = [0.9, 0.0]"),
+    (r"give it to `tracked` as a task, which aims it, or ", ""),
+)
 
 
 def source(path: str | PathLike[str]) -> Source:

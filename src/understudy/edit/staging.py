@@ -16,7 +16,7 @@ from understudy.control.task import check_overlaps
 from understudy.edit.edit import Edit
 from understudy.edit.lines import Place
 from understudy.edit.motions import motion_of
-from understudy.errors import UnderstudyError
+from understudy.errors import UnderstudyError, UnknownName
 from understudy.motion.clip import Clip
 from understudy.motion.reaching import meeting, reaching
 from understudy.performance import Performance, together, tracked
@@ -38,6 +38,8 @@ def staged(edit: Edit) -> Performance:
         alone[k] = replace(one, controllers=(tracking, *tasks[k]), duration=reference.duration)
     whole = alone[0] if len(alone) == 1 else together(*alone)
     scene = _furnished(edit, whole.scene)
+    lasts = whole.duration if edit.duration is None else edit.duration
+    _check_times(edit, lasts)
     happening = _happening(edit, scene, references)
     for k, own in enumerate(tasks):
         for j, task in enumerate(own):
@@ -47,8 +49,24 @@ def staged(edit: Edit) -> Performance:
             whole,
             scene=scene,
             controllers=(*whole.controllers, *happening),
-            duration=whole.duration if edit.duration is None else edit.duration,
+            duration=lasts,
         )
+
+
+def _check_times(edit: Edit, lasts: float) -> None:
+    """Refuse what would happen after the end."""
+    wanted = [(push.time, ("push", k, "time")) for k, push in enumerate(edit.push)]
+    wanted += [(throw.time, ("throw", k, "time")) for k, throw in enumerate(edit.throw)]
+    wanted += [
+        (task.span[0], ("character", k, "task", j, "span"))
+        for k, said in enumerate(edit.character)
+        for j, task in enumerate(said.task)
+    ]
+    for time, place in wanted:
+        if time >= lasts:
+            raise edit.source.error(
+                place, f"{place[-1]} begins at {time:g} s; the performance lasts {lasts:g} s."
+            )
 
 
 def _alone(edit: Edit) -> list[Performance]:
@@ -95,6 +113,7 @@ def _check_apart(edit: Edit, alone: Sequence[Performance]) -> None:
 
 def _place_hands(edit: Edit, references: list[Clip]) -> None:
     """Change the references so that hands are where offsets and meetings want them."""
+    _check_hand_times(edit, references)
     for k, said in enumerate(edit.character):
         targets = [offset.target(said.speed) for offset in said.offset]
         try:
@@ -111,6 +130,28 @@ def _place_hands(edit: Edit, references: list[Clip]) -> None:
     for pair in pairs:
         numbers = [k for k, meet in enumerate(edit.meet) if meet.characters == pair]
         _meet(edit, references, numbers, pair[0] - 1, pair[1] - 1)
+
+
+def _check_hand_times(edit: Edit, references: Sequence[Clip]) -> None:
+    """Refuse hands to be placed after the motion, by the motion's own clock."""
+    wanted = [
+        (offset.time, ("character", k, "offset", j), k)
+        for k, said in enumerate(edit.character)
+        for j, offset in enumerate(said.offset)
+    ]
+    wanted += [
+        (meet.time, ("meet", j), who - 1)
+        for j, meet in enumerate(edit.meet)
+        for who in meet.characters
+    ]
+    for time, place, who in wanted:
+        last = references[who].duration * edit.character[who].speed
+        if time > last + 0.5 / references[who].rate:
+            raise edit.source.error(
+                (*place, "time"),
+                f"time is {time:g} s; the motion of character {who + 1} lasts {last:g} s (before "
+                "its speed).",
+            )
 
 
 def _meet(edit: Edit, references: list[Clip], numbers: list[int], one: int, two: int) -> None:
@@ -204,7 +245,14 @@ def _aimed(
     throw: Throw, scene: Scene, concerned: Sequence[int], references: Sequence[Clip]
 ) -> Throw:
     """A throw at a link, led to where that is when the ball arrives."""
-    who = concerned[0] if concerned else 0
+    if not concerned:
+        links = [
+            scene.prefix(k) + link.name
+            for k, body in enumerate(scene.characters)
+            for link in body.links
+        ]
+        raise UnknownName("link to throw at", str(throw.at), links)
+    who = concerned[0]
     own = replace(throw, at=str(throw.at).rpartition("/")[2], character=who)
     return own.fitted(references[who], cast(Character, scene.characters[who]))[0]
 

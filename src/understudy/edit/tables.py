@@ -26,10 +26,12 @@ Made = TypeVar("Made")
 
 ANGLES = {"heading": (-360.0, 360.0), "slope": (-57.0, 57.0), "limit": (0.0, 180.0)}
 """Fields that are angles: least and most in degrees."""
-ENDLESS = ("span",)
+ENDLESS = ("span", "trim")
 """Fields in which a time may be infinite."""
 HIDDEN = ("character", "reference")
 """Fields of tasks and disturbances that the file's order or `tracked` fills in."""
+FOLLOWING: dict[Any, tuple[str, ...]] = {control.HandOn: ("facing",)}
+"""Fields that follow from others: a palm laid on a surface faces it."""
 MOST_TABLES = 1000
 """A list of more tables than this is a mistake."""
 
@@ -72,6 +74,7 @@ def _missing(source: Source, place: Place, name: str, hint: Any) -> EditError:
 def keys(kind: Any) -> dict[str, Field[Any]]:
     """The keys that a table of a kind takes, in order, with their fields."""
     hidden = HIDDEN if issubclass(kind, (Task, Disturbance)) else ("source",)
+    hidden = (*hidden, *FOLLOWING.get(kind, ()))
     return {f.name: f for f in fields(kind) if f.init and f.name not in hidden}
 
 
@@ -121,13 +124,13 @@ def _value(source: Source, value: object, hint: Any, place: Place) -> Any:
         return _several(source, value, inner, place)
     try:
         if name in ANGLES:
-            return _angle(value, *ANGLES[name])
+            return _angle(value, hint, *ANGLES[name])
         return converted(value, hint, endless=name in ENDLESS)
     except Refused as refused:
         where = f" in {named(place[:-1])}" if place[:-1] else ""
         wanted = str(refused)
-        if isinstance(value, float) and not math.isfinite(value):
-            wanted = wanted.replace("a number", "a finite number")
+        if re.search(r"\b(nan|inf)\b", repr(value)):
+            wanted = wanted.replace("number", "finite number")
         raise source.error(
             place, f"{name}{where} is {shown(value)}; it must be {wanted}."
         ) from None
@@ -147,8 +150,9 @@ def _several(source: Source, value: object, kind: Any, place: Place) -> tuple[An
     """A list of tables, such as [[prop]]."""
     name = named((*place, 0))
     if not isinstance(value, list):
+        one = "one table" if isinstance(value, Mapping) else shown(value)
         raise source.error(
-            place, f"{place[-1]} is {shown(value)}; write {name}, in double brackets, for each one."
+            place, f"{place[-1]} is {one}; write {name}, in double brackets, before each one."
         )
     if len(value) > MOST_TABLES:
         raise source.error(place, f"{len(value)} times {name}; {MOST_TABLES} are the most.")
@@ -239,10 +243,15 @@ def _row(value: Any, parts: tuple[Any, ...], endless: bool) -> tuple[Any, ...]:
     return tuple(converted(v, h, endless=endless) for v, h in zip(value, parts, strict=True))
 
 
-def _angle(value: Any, low: float, high: float) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool) and low <= value <= high:
-        return math.radians(value)
-    raise Refused(f"an angle from {low:g} to {high:g} degrees")
+def _angle(value: Any, hint: Any, low: float, high: float) -> Any:
+    """An angle, or a row of them, in radians."""
+    said = converted(value, hint)
+    row = said if isinstance(said, tuple) else (said,)
+    if not all(low <= angle <= high for angle in row):
+        each = ", each" if isinstance(said, tuple) else ""
+        raise Refused(f"{_wanted(hint)}{each} from {low:g} to {high:g} degrees")
+    found = tuple(math.radians(angle) for angle in row)
+    return found if isinstance(said, tuple) else found[0]
 
 
 def _wanted(hint: Any) -> str:
@@ -259,8 +268,11 @@ def _word(hint: Any) -> str:
         return " or ".join(f'"{word}"' for word in get_args(hint))
     if get_origin(hint) is tuple:
         parts = get_args(hint)
-        many = {float: "numbers", int: "whole numbers", str: "names in quotes"}
-        word = many.get(parts[0], "pairs of names in quotes")
+        if get_origin(parts[0]) is tuple:
+            return 'pairs in brackets, as [["right_hand", "drum"]],'
+        word = {int: "whole numbers", str: "names in quotes"}.get(parts[0], "numbers")
+        if get_origin(parts[0]) is Literal:
+            word = f"of {_word(parts[0])}"
         count = "a list of " if parts[-1] is Ellipsis else f"{len(parts)} "
         return f"{count}{word} in brackets"
     return "a table"
