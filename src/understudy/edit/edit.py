@@ -18,6 +18,7 @@ from understudy.performance import Performance
 from understudy.scene import Contacts, Ground, Prop
 
 OWN = "own"
+FARTHEST = 1e4  # from the origin that a character can stand [m]
 Side = Literal["left", "right"]
 
 
@@ -193,6 +194,10 @@ class Performer(Cut):
         if self.segment and self.reading:
             raise InvalidValue(
                 f"{next(iter(self.reading))} is about reading a file; give it to the segments."
+            )
+        if self.at is not None and max(map(abs, self.at)) > FARTHEST:
+            raise InvalidValue(
+                f"at is {list(self.at)}; it must be 2 numbers from {-FARTHEST:g} to {FARTHEST:g} m."
             )
         if self.body != OWN and self.body not in BODIES:
             raise UnknownName("body", self.body, (OWN, *BODIES))

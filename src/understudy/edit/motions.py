@@ -12,7 +12,7 @@ from understudy.edit.lines import Place
 from understudy.edit.source import Source
 from understudy.errors import ClipError, InvalidValue
 from understudy.motion.clip import Clip
-from understudy.motion.edits import placed, retimed, trimmed
+from understudy.motion.edits import SPEEDS, placed, retimed, trimmed
 from understudy.motion.mirror import mirrored
 from understudy.motion.read import read
 from understudy.motion.samples import sample, samples
@@ -21,8 +21,11 @@ from understudy.motion.transitions import transitions
 
 SAMPLE = "sample:"
 NEAR = 1.0
-"""A transition whose time is not said begins in the last this much of the one motion that it can,
-and leads into the first of the other [s]."""
+"""A transition whose time is not said begins at most this long before the last moment it can, and
+leads at most this far into the other clip [s]; in short clips a third of what there is, so that a
+clip does not go over into itself where it is anyway."""
+LONGEST = 3600.0
+"""Motions longer than this are a mistake [s]."""
 
 
 def motion_of(edit: Edit, number: int) -> tuple[Clip, Character]:
@@ -102,11 +105,22 @@ def _cut(clip: Clip, cut: Cut, source: Source, place: Place) -> Clip:
         with source.blaming((*place, "mirrored")):
             clip = mirrored(clip)
     with source.blaming((*place, "speed")):
+        if cut.speed >= SPEEDS[0]:
+            _check_length(clip.duration / cut.speed)
         clip = retimed(clip, cut.speed)
     if cut.loops > 1:
         with source.blaming((*place, "loops")):
+            _check_length(clip.duration * cut.loops)
+        with source.blaming((*place, "loops")):
             clip = looped(clip, cut.loops)
     return clip
+
+
+def _check_length(duration: float) -> None:
+    if duration > LONGEST:
+        raise InvalidValue(
+            f"The motion would last {duration:g} s; {LONGEST:g} s are the most. Trim it."
+        )
 
 
 def _joined(said: Performer, source: Source, place: Place) -> tuple[Clip, Character | None]:
@@ -145,11 +159,10 @@ def _appended(whole: Clip, clip: Clip, segment: Segment) -> Clip:
 
 def _found(whole: Clip, clip: Clip, blend: float) -> tuple[float, float]:
     """The best times to go over near the end of a motion, into the beginning of another [s]."""
-    early = max(whole.duration - blend - NEAR, 0.0)
-    ending = trimmed(whole, early)
-    early = whole.duration - ending.duration
-    beginning = trimmed(clip, 0.0, min(blend + NEAR, clip.duration))
+    late, early = (min(NEAR, max(c.duration - blend, 0.0) / 3.0) for c in (whole, clip))
+    ending = trimmed(whole, max(whole.duration - blend - late, 0.0))
+    beginning = trimmed(clip, 0.0, min(blend + early, clip.duration))
     # Two motions that are the same one would be searched for jumps back.
     beginning = replace(beginning, name=f"{beginning.name}, its beginning")
     best = transitions(ending, beginning, count=1, blend=blend)[0]
-    return early + best.time_a, best.time_b
+    return whole.duration - ending.duration + best.time_a, best.time_b

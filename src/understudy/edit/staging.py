@@ -39,6 +39,10 @@ def staged(edit: Edit) -> Performance:
     whole = alone[0] if len(alone) == 1 else together(*alone)
     scene = _furnished(edit, whole.scene)
     lasts = whole.duration if edit.duration is None else edit.duration
+    if round(lasts / scene.timestep) < 1:
+        raise edit.source.error(
+            ("duration",), f"The performance lasts {lasts:g} s, not one step; give it a duration."
+        )
     _check_times(edit, lasts)
     happening = _happening(edit, scene, references)
     for k, own in enumerate(tasks):
