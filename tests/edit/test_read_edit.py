@@ -159,6 +159,7 @@ def test_the_fields_in_degrees_are_those_documented_in_radians():
         (WAVE + "loops = 0\n", 4, "1 to 1000"),
         (WAVE + "at = [1, 2, 3]\n", 4, "2 numbers"),
         (WAVE + "at = [1, inf]\n", 4, "2 finite numbers"),
+        (WAVE + "at = [1, 1e300]\n", 4, "2 numbers in brackets, of at most 1e"),
         (WAVE + "heading = 1e4\n", 4, "-360 to 360 degrees"),
         (WAVE + 'law = "modem"\n', 4, '"modern" or "paper"'),
         (WAVE + 'body = "kid"\n', 4, "Did you mean 'child'"),

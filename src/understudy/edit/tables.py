@@ -32,6 +32,8 @@ HIDDEN = ("character", "reference")
 """Fields of tasks and disturbances that the file's order or `tracked` fills in."""
 FOLLOWING: dict[Any, tuple[str, ...]] = {control.HandOn: ("facing",)}
 """Fields that follow from others: a palm laid on a surface faces it."""
+LARGEST = 1e9
+"""No quantity of an edit is larger, in SI units."""
 MOST_TABLES = 1000
 """A list of more tables than this is a mistake."""
 
@@ -131,6 +133,8 @@ def _value(source: Source, value: object, hint: Any, place: Place) -> Any:
         wanted = str(refused)
         if re.search(r"\b(nan|inf)\b", repr(value)):
             wanted = wanted.replace("number", "finite number")
+        elif re.search(r"\de\+|\d{9}", repr(value)):
+            wanted = f"{wanted}, of at most {LARGEST:g}"
         raise source.error(
             place, f"{name}{where} is {shown(value)}; it must be {wanted}."
         ) from None
@@ -226,7 +230,7 @@ def _as(value: Any, hint: Any, endless: bool) -> Any:
 
 
 def _number(value: Any, endless: bool) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= 1e300:
+    if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST:
         return float(value)
     if endless and value == math.inf:
         return math.inf

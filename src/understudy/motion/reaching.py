@@ -320,8 +320,8 @@ def _nearest(spot: Array, balls: tuple[tuple[Array, float], ...]) -> Array:
 def _check_times(time: float, window: float) -> None:
     if not (isinstance(time, Real) and np.isfinite(time) and time >= 0.0):
         raise InvalidValue(f"time is {shown(time)}; it must be a time in seconds, 0 or more.")
-    if not (isinstance(window, Real) and 0.0 < window <= 100.0):
-        raise InvalidValue(f"window is {shown(window)}; it must be a time in 0 to 100 s.")
+    if not (isinstance(window, Real) and 1e-6 <= window <= 100.0):
+        raise InvalidValue(f"window is {shown(window)}; it must be a time in 1e-6 to 100 s.")
 
 
 def _spot(value: ArrayLike, name: str) -> tuple[float, float, float]:
