@@ -116,7 +116,7 @@ def told(found: zordan1999.Reproduced, files: dict[str, str]) -> str:
     parts.append(f"gesture: {found.cast.source}")
     for finding in found.findings:
         if finding.claims:
-            lines = [f"Figure {finding.figure}. {finding.title}"]
+            lines = [f"{finding.name}. {finding.title}"]
             for claim in finding.claims:
                 lines.append(f"  {'yes' if claim.holds else 'NO '}  {claim.said}")
                 lines.append(f"       {claim.measured}")

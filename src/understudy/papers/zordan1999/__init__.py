@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from understudy.motion.files import written
 from understudy.papers.sheets import as_csv, plain
+from understudy.papers.zordan1999.bow import bowing
 from understudy.papers.zordan1999.cast import Cast, casting
 from understudy.papers.zordan1999.drum import drumming
 from understudy.papers.zordan1999.finding import Finding
@@ -72,6 +73,7 @@ def reproduce(
         (3, lambda: (slapping(quick=quick),)),
         (1, lambda: (speeding(cast, quick=quick),)),
         (2, lambda: (pumping(quick=quick),)),
+        (6, lambda: (bowing(quick=quick),)),
         (9, lambda: (clapping(quick=quick),)),
     )
     findings: list[Finding] = []
@@ -87,7 +89,13 @@ def reproduce(
             findings += make()
             bar.update(cost)
     # A film that belongs to a later figure is shown there.
-    findings.sort(key=lambda finding: finding.figure)
+    order = ("drum", "staff", "bow")
+    findings.sort(
+        key=lambda finding: (
+            finding.figure.split(",")[0],
+            [part in finding.figure for part in order][::-1],
+        )
+    )
     return Reproduced(cast=cast, findings=tuple(findings), quick=quick)
 
 

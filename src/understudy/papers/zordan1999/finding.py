@@ -16,6 +16,7 @@ from understudy.papers.filmstrip import Film
 from understudy.papers.sheets import Sheet
 from understudy.take import Take
 
+# In sentences; tables say "paper" and "modern".
 LAW_NAMES = {"paper": "the paper's law", "modern": "modern law"}
 
 
@@ -72,6 +73,11 @@ class Finding:
     strips: tuple[Strip, ...] = field(default=(), repr=False)
     sheets: tuple[Sheet, ...] = ()
     facts: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """With its word: "Figure 4", "Figures 1 and 7"."""
+        return f"{'Figures' if ' and ' in self.figure else 'Figure'} {self.figure}"
 
 
 def hand_path(clip: Clip, side: str = "right") -> Array:

@@ -78,7 +78,7 @@ def _row(
     return (
         name.replace("_", " "),
         plan,
-        LAW_NAMES[law],
+        law,
         body.height,
         body.mass,
         s.joint_error_deg,
@@ -113,7 +113,7 @@ def _finding(
     rows: list[tuple[object, ...]],
 ) -> Finding:
     def column(k: int, law: str) -> list[float]:
-        return [float(str(row[k])) for row in rows if row[2] == LAW_NAMES[law]]
+        return [float(str(row[k])) for row in rows if row[2] == law]
 
     alike, alike_paper = min(column(8, "modern")), min(column(8, "paper"))
     error, lag = max(column(5, "modern")), column(6, "paper")

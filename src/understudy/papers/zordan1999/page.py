@@ -99,8 +99,8 @@ def _summary(finding: Finding) -> str:
     good = all(claim.holds for claim in finding.claims)
     kept = sum(claim.holds for claim in finding.claims)
     return (
-        f'<li class="{"yes" if good else "no"}"><a href="#{_anchor(finding)}">Figure '
-        f"{_text(finding.figure)}: {_text(finding.title)}</a> "
+        f'<li class="{"yes" if good else "no"}"><a href="#{_anchor(finding)}">'
+        f"{_text(finding.name)}: {_text(finding.title)}</a> "
         f"<span>{kept} of {len(finding.claims)} hold</span></li>"
     )
 
@@ -126,8 +126,7 @@ def _claims(claims: tuple[Claim, ...]) -> str:
 def _section(finding: Finding, *, sharp: bool) -> str:
     width, height = (240, 300) if sharp else (80, 100)
     parts = [
-        f'<section id="{_anchor(finding)}"><h2>Figure {_text(finding.figure)}: '
-        f"{_text(finding.title)}</h2>",
+        f'<section id="{_anchor(finding)}"><h2>{_text(finding.name)}: {_text(finding.title)}</h2>',
         _shows(finding),
         _claims(finding.claims),
         *(
@@ -135,10 +134,18 @@ def _section(finding: Finding, *, sharp: bool) -> str:
             for s in finding.strips
         ),
         *(chart.html() for chart in finding.charts),
-        *(as_html(sheet) for sheet in finding.sheets),
+        _numbers(finding),
         f'<p class="note">{_text(finding.setting)}</p></section>',
     ]
     return "\n".join(filter(None, parts))
+
+
+def _numbers(finding: Finding) -> str:
+    """All tables, folded away."""
+    if not finding.sheets:
+        return ""
+    tables = "".join(as_html(sheet) for sheet in finding.sheets)
+    return f"<details><summary>All numbers</summary>{tables}</details>"
 
 
 _STYLE = """
@@ -149,4 +156,6 @@ _STYLE = """
 .claims .no::before{content:"\\2717";color:var(--held)}
 .claims b{font-weight:600}.claims span{display:block;color:var(--dim);font-size:.9375rem}
 .claims a{color:var(--c0)}ol.claims span{display:inline}
+details{margin:0 0 1rem}summary{cursor:pointer;font-weight:600;font-size:.875rem}
+details .wide .words{white-space:nowrap}
 """

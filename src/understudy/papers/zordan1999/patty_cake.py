@@ -256,7 +256,7 @@ def _row(name: str, game: Game, found: list[Clap], odd: int) -> tuple[object, ..
     events = [e for clap in found for e in clap.events if e is not None]
     return (
         name,
-        LAW_NAMES[game.law],
+        game.law,
         game.speed,
         1e3 * game.window if game.offsets else None,
         game.distance,

@@ -15,7 +15,7 @@ from understudy.motion.samples import sample
 from understudy.papers.filmstrip import Film
 from understudy.papers.sheets import Sheet
 from understudy.papers.zordan1999.drum import played_back
-from understudy.papers.zordan1999.finding import LAW_NAMES, Claim, Finding, Strip, spread
+from understudy.papers.zordan1999.finding import Claim, Finding, Strip, spread
 from understudy.performance import tracked
 from understudy.scene import Staff
 from understudy.simulate import simulate
@@ -60,13 +60,10 @@ def pumping(*, quick: bool = False) -> Finding:
     task = {law: played(law, Upright()) for law in laws}
     hit = {way: played("modern", Upright(), push) for way, push in pushes.items()}
     rows = [("kinematic playback", None, None, *_measured(played_back(plain["modern"])), None)]
-    rows += [("tracked", LAW_NAMES[k], None, *_measured(t), None) for k, t in plain.items()]
+    rows += [("tracked", k, None, *_measured(t), None) for k, t in plain.items()]
+    rows += [("task in the wrist", k, None, *_measured(t), None) for k, t in task.items()]
     rows += [
-        ("task in the wrist", LAW_NAMES[k], None, *_measured(t), None) for k, t in task.items()
-    ]
-    rows += [
-        ("task in the wrist", LAW_NAMES["modern"], way, *_measured(t), _back(t))
-        for way, t in hit.items()
+        ("task in the wrist", "modern", way, *_measured(t), _back(t)) for way, t in hit.items()
     ]
     return _finding(rows, plain["modern"], task["modern"], hit)
 

@@ -200,7 +200,9 @@ def _finding(
                 holds=all(e is not None for e in slaps.values()),
             ),
         ),
-        charts=tuple(_chart(made, takes, k, name) for k, name in ((0, "forward"), (2, "up"))),
+        charts=tuple(
+            _chart(made, takes, k, name) for k, name in ((0, "forward"), (1, "to the left"))
+        ),
         strips=(
             Strip(
                 alt="Two children clap; then one slaps the other.",
