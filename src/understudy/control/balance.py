@@ -42,8 +42,6 @@ _SMOOTHING = 0.1
 # Stiffness of the pelvis' height [1/s^2 of g / h], critically damped; with the legs' servos beside
 # it the body stands on its legs, not on this.
 _LIFT = 10.0
-# Of the ankles' servos less stays on than of the others': they say where the floor pushes.
-_ANKLES = 0.4
 # Part of the sole that may bear. At its edge a foot would tip.
 _MARGIN = 0.95
 # Moments [m g h]: the most that is given to save the body from falling, and the most that is asked
@@ -65,14 +63,14 @@ class Balance(Task):
             height: at 1 as fast as gravity would make it fall.
         damping_ratio: Of that pull; 1 comes back without swaying over.
         upright: How the pelvis is turned to the clip's orientation, in g / h, critically damped.
-        servos: Part of the hips' and knees' servos that stays on, 0 to 1.
+        servos: Part of the legs' servos that stays on, 0 to 1.
         reference: The clip with balanced legs; `tracked` sets it.
     """
 
     stiffness: float = 1.5
     damping_ratio: float = 1.0
     upright: float = 10.0
-    servos: float = 0.5
+    servos: float = 0.6
     reference: Clip | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -160,7 +158,7 @@ class Balance(Task):
             *(_LIFT * pace**2, 2.0 * math.sqrt(_LIFT) * pace),
             inertia * self.upright * pace**2,
             2.0 * inertia * math.sqrt(self.upright) * pace,
-            *(self.servos, _ANKLES * self.servos, _MARGIN),
+            *(self.servos, _MARGIN),
             *(_GIVE * most, _MOST * most, _SPLIT),
         )
         feet = []

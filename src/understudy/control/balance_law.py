@@ -30,14 +30,13 @@ from understudy.control.task import (
 
 # Time step [s], rows of the reference, mass [kg], gravity [m/s^2], body that all hang on, pelvis,
 # bodies; stiffness and damping of the center of mass along the floor [1/s^2, 1/s] and upward;
-# of the pelvis' turn [N m/rad, N m s/rad]; part of the servos of hips and knees, and of ankles,
-# that stays on.
+# of the pelvis' turn [N m/rad, N m s/rad]; part of the legs' servos that stays on.
 STEP, COUNT, MASS, GRAVITY, TREE, ROOT, MANY = range(TIMES, TIMES + 7)
-PULL, DRAG, LIFT, SINK, TURN, SPIN, SERVOS, ANKLES = range(TIMES + 7, TIMES + 15)
+PULL, DRAG, LIFT, SINK, TURN, SPIN, SERVOS = range(TIMES + 7, TIMES + 14)
 # Part of the sole that may bear; largest moment [N m] given where the feet are at their limit, and
 # the largest wanted; how much of what is lacking there the moment takes over, the rest the force.
-MARGIN, GIVE, MOST, SPLIT = range(TIMES + 15, TIMES + 19)
-FEET, FOOT = TIMES + 19, 10
+MARGIN, GIVE, MOST, SPLIT = range(TIMES + 14, TIMES + 18)
+FEET, FOOT = TIMES + 18, 10
 ROWS = FEET + 2 * FOOT
 BODIES = ROWS + 6 * JOINT
 # A row of the reference: center of mass from the middle of the feet, velocity, acceleration, change
@@ -62,12 +61,11 @@ def law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unty
     for k in range(6):
         push = left_push if k < 3 else right_push
         row = ROWS + k * JOINT
-        part = p[ANKLES] if k % 3 == 2 else p[SERVOS]
         torque = leg_torque(state, p, row, push)
         at = now + 19 + 7 * k
         ex, ey, ez = error_of(state, p, row, quaternion_at(p, at))
         x, y, z = spin_of(state, int(p[row + 3]))
-        stiff, damp = part * p[row + 5], p[row + 6]
+        stiff, damp = p[SERVOS] * p[row + 5], p[row + 6]
         torque = (
             torque[0] + stiff * ex + damp * (p[at + 4] - x),
             torque[1] + stiff * ey + damp * (p[at + 5] - y),
@@ -143,6 +141,13 @@ def room(p, foot, sole, x, y):  # type: ignore[no-untyped-def]
     return p[MARGIN] * min(p[foot + 8] / max(along, 1e-6), p[foot + 9] / max(across, 1e-6))
 
 
+def inside(p, foot, sole, x, y):  # type: ignore[no-untyped-def]
+    """The way (x, y) from a sole's middle, shortened so that it ends on the sole [m]."""
+    ahead = within(sole[3] * x + sole[4] * y, p[MARGIN] * p[foot + 8])
+    aside = within(sole[5] * x + sole[6] * y, p[MARGIN] * p[foot + 9])
+    return ahead * sole[3] + aside * sole[5], ahead * sole[4] + aside * sole[6]
+
+
 def within(value, most):  # type: ignore[no-untyped-def]
     """The value, at most `most` either way."""
     return min(max(value, -most), most)
@@ -176,20 +181,22 @@ def shared(state, p, left, right, force, moment):  # type: ignore[no-untyped-def
     rest = 1.0 - share
     along -= (share - rest) * 0.5 * apart
     x, y = along * ex + ahead * nx, along * ey + ahead * ny
+    lx, ly = inside(p, FEET, left, x, y)
+    rx, ry = inside(p, FEET + FOOT, right, x, y)
     # About the vertical one foot pushes ahead and the other back.
     twist = within(-moment[2] / apart, GRIP * min(share, rest) * fz)
     return (
         (
-            left[0] + x,
-            left[1] + y,
+            left[0] + lx,
+            left[1] + ly,
             left[2],
             share * fx + twist * nx,
             share * fy + twist * ny,
             share * fz,
         ),
         (
-            right[0] + x,
-            right[1] + y,
+            right[0] + rx,
+            right[1] + ry,
             right[2],
             rest * fx - twist * nx,
             rest * fy - twist * ny,
