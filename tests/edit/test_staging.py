@@ -9,7 +9,7 @@ import pytest
 
 import understudy as us
 from understudy.character.bodies import adult_man, child
-from understudy.control import GiveWay, LookAt, Push, Throw, Tracking
+from understudy.control import Balance, GiveWay, LookAt, Push, Throw, Tracking
 from understudy.edit import EditError, read_edit
 from understudy.motion import rotations as rot
 from understudy.motion.arm import palm
@@ -75,6 +75,15 @@ def test_props_tasks_and_pushes_are_those_python_gives(said, wave):
         seed=4,
     )
     assert same(said(text).performance(), by_hand)
+
+
+def test_a_task_that_gives_the_body_other_legs_is_as_in_python(said):
+    clip = us.sample("bow").trimmed(0.0, 1.0)
+    text = '[[character]]\nclip = "sample:bow"\ntrim = [0, 1]\n'
+    made = said(text + '[[character.task]]\nkind = "balance"\nservos = 0.5\n').performance()
+    by_hand = us.tracked(clip, us.Character.from_clip(clip), tasks=[Balance(servos=0.5)])
+    assert same(made, by_hand)
+    assert made.controllers[0].pelvis == "free"
 
 
 def test_edits_of_the_clip_are_made_in_order(said):

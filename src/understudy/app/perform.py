@@ -23,8 +23,22 @@ if TYPE_CHECKING:
     from understudy.take import Take
 
 EXAMPLE = """\
+  drum.toml:
+    contacts = [["right_hand", "drum"]]
+
+    [[character]]
+    clip = "sample:strike"
+    body = "adult_man"
+
+    [[prop]]
+    kind = "drum"
+    position = [0.45, -0.15, 0.95]
+
   understudy perform drum.toml
   understudy perform edits/*.toml --out out --stills --json > results.json"""
+
+TASKED = """\
+Joints that tasks move on purpose count among the degrees."""
 
 # Contact events listed on the terminal; the certificate has them all.
 MOST_LISTED = 24
@@ -100,6 +114,7 @@ class Row:
         certificate: The certificate as JSON has it; empty after an error.
         files: Kind of file to its path.
         notes: What was changed before the bodies performed.
+        tasked: Whether a task moves joints away from the clip.
         wall_s: Wall time [s].
     """
 
@@ -111,6 +126,7 @@ class Row:
     certificate: dict[str, Any] | None = None
     files: dict[str, str] | None = None
     notes: tuple[str, ...] = ()
+    tasked: bool = False
     wall_s: float = 0.0
 
 
@@ -215,6 +231,7 @@ def performed(job: Job) -> Row:
         certificate=found,
         files=files,
         notes=tuple(dict.fromkeys(notes)),
+        tasked=any(performer.task for performer in job.edit.character),
         wall_s=time.monotonic() - started,
     )
 
@@ -333,6 +350,7 @@ def text(rows: Sequence[Row]) -> str:
         return "" if len(rows) == 1 else f"All {len(rows)} edits failed."
     lines = [cells for row in rows for cells in figures(row)]
     parts = [table([HEAD, *lines], right=range(2, len(HEAD))), "", HELP_FROM_ABOVE]
+    parts += [TASKED] if any(row.tasked for row in rows) else []
     for row in rows:
         if row.error:
             parts += ["", *folded(row.error)]
