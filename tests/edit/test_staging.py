@@ -220,6 +220,8 @@ def test_the_contacts_of_all_are_allowed(said):
         (WAVE.replace("gesture", "gestur"), 2, "Did you mean 'gesture'"),
         (WAVE.replace("sample:", ""), 2, 'Did you mean "sample:gesture"'),
         (WAVE.replace("sample:gesture", "no/such.bvh"), 2, "no such file"),
+        (WAVE.replace("sample:gesture", r"a\nb.bvh"), 2, "no such file"),
+        (WAVE.replace("sample:gesture", r"a\u0000b.bvh"), 2, "null byte"),
         (WAVE.replace("sample:gesture", ""), 2, "folder"),
         (WAVE.replace("0.8", "8"), 3, "Cannot trim"),
         (WAVE + "unit = 'cm'\n", 4, "sample"),

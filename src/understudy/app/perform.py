@@ -355,6 +355,7 @@ def text(rows: Sequence[Row]) -> str:
         if row.error:
             parts += ["", *folded(row.error)]
             continue
+        parts += ["", f"{row.name}: {row.title}"] if row.title else []
         touched = events(row)
         if touched:
             parts += ["", f"{row.name}: contacts", touched]

@@ -22,9 +22,10 @@ class EditError(UnderstudyError):
     """A mistake in an edit file: names the file, the line, the value and what would be right."""
 
     def __init__(self, path: str | PathLike[str], problem: str, line: int | None = None):
-        self.path, self.line, self.problem = fspath(path), line, problem
+        self.path, self.line = fspath(path), line
+        self.problem = " ".join(problem.splitlines())  # a name in it may hold any character
         where = self.path if line is None else f"{self.path}:{line}"
-        super().__init__(f"{where}: {problem}")
+        super().__init__(f"{where}: {self.problem}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,7 +150,12 @@ def parsed(text: str, path: str | PathLike[str]) -> Source:
         raise EditError(path, "is nested too deeply; no key of an edit file is.") from None
     except ValueError as error:  # TOMLDecodeError, and numbers of too many digits
         raise _refused(path, text, error) from None
-    return Source(path=Path(path), data=data, lines=lines)
+    made = Source(path=Path(path), data=data, lines=lines)
+    for place in lines:
+        value = made.at(place)
+        if isinstance(value, int) and value.bit_length() > 63:
+            raise made.error(place, f"{place[-1]} is a number of {value.bit_length()} bits.")
+    return made
 
 
 def _refused(path: str | PathLike[str], text: str, error: ValueError) -> EditError:

@@ -54,7 +54,7 @@ def made(
         raise source.error(place, f"{named(place)} is {shown(table)}; it must be a table.")
     known = keys(kind)
     for name in table:
-        if name not in known and name != "kind":
+        if name not in known:
             raise _unknown(source, place, name, known)
     hints, values = _hints(kind), {}
     for name, field in known.items():
@@ -163,10 +163,12 @@ def _several(source: Source, value: object, kind: Any, place: Place) -> tuple[An
     out = []
     for number, table in enumerate(value):
         where = (*place, number)
-        chosen = _chosen(source, table, kind, where) if kind in (Task, Prop) else kind
-        if chosen is kind and isinstance(table, Mapping) and "kind" in table:
-            raise _unknown(source, where, "kind", keys(kind))
-        out.append(made(chosen, source, table, where))
+        if kind in (Task, Prop):
+            chosen = _chosen(source, table, kind, where)
+            rest = {key: said for key, said in table.items() if key != "kind"}
+            out.append(made(chosen, source, rest, where))
+        else:
+            out.append(made(kind, source, table, where))
     return tuple(out)
 
 
