@@ -70,7 +70,7 @@ class Balance(Task):
     stiffness: float = 1.5
     damping_ratio: float = 1.0
     upright: float = 10.0
-    servos: float = 0.6
+    servos: float = 0.75
     reference: Clip | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
