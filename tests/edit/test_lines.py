@@ -193,7 +193,7 @@ class Writer:
             self.text += " }"
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(TABLES, st.data())
 def test_lines_of_random_documents_are_where_they_were_written(table, data):
     writer = Writer(data.draw)
