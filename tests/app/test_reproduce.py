@@ -85,6 +85,63 @@ def test_a_missing_folder_and_an_unknown_paper_are_refused(tmp_path, capsys):
     assert capsys.readouterr().err.count("\n") == 1
 
 
+# -- zordan1999 -----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def figures(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("figures")
+    assert main(["reproduce", "zordan1999", "--quick", "--out", str(folder)]) == 0
+    return folder
+
+
+def test_every_figure_has_a_section_with_what_the_paper_says(figures):
+    page = (figures / "zordan1999.html").read_text(encoding="utf-8")
+    for title in ("s 1 and 7", " 4", " 5", " 6", " 8, drum", " 8, staff", " 8, bow", " 9"):
+        assert f"<h2>Figure{title}: " in page
+    assert "cannot be compared" in page and "Quick run" in page
+    assert "made, not captured" in page
+
+
+def test_the_figures_ask_nothing_of_the_network(figures):
+    page = (figures / "zordan1999.html").read_text(encoding="utf-8")
+    assert "http" not in page.replace("http-equiv", "")
+    assert page.count("data:image/png;base64,") > 20
+
+
+def test_statements_are_held_against_numbers(figures):
+    kept = json.loads((figures / "zordan1999.json").read_text(encoding="utf-8"))
+    claims = [claim for figure in kept["figures"] for claim in figure["claims"]]
+    assert len(claims) == kept["statements"] > 15
+    # Few bodies and short motions bear them out, too.
+    failed = [claim for claim in claims if not claim["holds"]]
+    assert not failed
+    assert kept["quick"] is True
+
+
+def test_tables_of_figures_are_written_as_csv(figures):
+    with (figures / "zordan1999_figure_4.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    deep = {row["hand"]: float(row["deepest overlap [mm]"]) for row in rows}
+    assert deep["simulated with contact"] < 2.0 < 15.0 < deep["kinematic playback"]
+    assert len(list(figures.glob("zordan1999_*.csv"))) == 8
+
+
+def test_options_of_the_other_paper_are_refused(capsys, tmp_path):
+    out = str(tmp_path / "out")
+    assert main(["reproduce", "zordan1999", "--points", "5", "--out", out]) == 2
+    shown = capsys.readouterr().err
+    assert "--points is for wilke2017" in shown and shown.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_is_a_file_is_refused_before_the_work(capsys, tmp_path):
+    (tmp_path / "out").write_text("")
+    for paper in ("wilke2017", "zordan1999"):
+        assert main(["reproduce", paper, "--out", str(tmp_path / "out")]) != 0
+        assert "is a file" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("method", ["cma", "monte_carlo"])
 def test_tune_drive_writes_parameters_that_other_clips_use(short, tmp_path, capfd, method):
     words = ["--drive", "skeleton", "--method", method, "--points", "1", "--evaluations", "12"]

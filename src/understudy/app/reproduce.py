@@ -35,7 +35,8 @@ class Options:
         paper: wilke2017 or zordan1999.
         clips: Folder with captured motions, BVH or AMC; bundled samples for what is missing.
             wilke2017: CMU 141_02, 08, 14, 15, 30, or 127_03, 14_21, 135_04, 127_02, 09_12 and
-            others in their place. zordan1999: a gesture, CMU 13_26, 13_18, 02_05 or wave_hello.
+            others in their place. zordan1999: a gesture, CMU 13_26, 13_18, 18_08, 02_05 or
+            wave_hello.
         fetch: Download motions that are missing, where a public source is known (wilke2017).
         points: Points of a run of algorithm 1; nine simulations each (wilke2017).
         runs: Runs of algorithm 1 for each linkage; 0 for the paper's 5, 9 and 10 (wilke2017).

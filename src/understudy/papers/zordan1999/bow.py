@@ -115,6 +115,8 @@ def bowing(*, quick: bool = False) -> Finding:
     body, trunk = adult_man(), adult_man(plan="upper")
     angles = ANGLES[:1] if quick else ANGLES
     clips = {degrees: retargeted(bow(degrees), trunk) for degrees in angles}
+    if quick:
+        clips = {degrees: clip.trimmed(0.0, BOWED + 0.9) for degrees, clip in clips.items()}
     plain = {degrees: performed(body, clip) for degrees, clip in clips.items()}
     first, ways = angles[0], list(WAYS)[:1] if quick else list(WAYS)
     asked: list[tuple[float, str, float, bool]] = [(degrees, "", 0.0, True) for degrees in angles]
@@ -246,7 +248,8 @@ def _chart(held: list[tuple[Bow, tuple[object, ...]]], alone: Bow) -> Chart:
 
 
 def _strip(held: list[tuple[Bow, tuple[object, ...]]], alone: Bow) -> Strip:
-    times = (0.5, 1.8, 2.4, 3.0, 4.3, 6.0, 6.8, 8.5)
+    last = held[0][0].take.duration
+    times = tuple(t for t in (0.5, 1.8, 2.4, 3.0, 4.3, 6.0, 6.8, 8.5) if t <= last)
     films = [
         Film(title=f"{one.degrees:g} degrees", thing=one.take, times=times, view="side")
         for one, _ in held

@@ -162,7 +162,7 @@ def impacts(take: Take, hits: tuple[float, ...]) -> list[Impact]:
 
 def drumming(*, quick: bool = False) -> tuple[Finding, Finding]:
     """Figure 4, and the film of figure 8."""
-    body, clip = adult_man(), sample("strike")
+    body, clip = adult_man(plan="upper" if quick else "full"), sample("strike")
     hits = HITS
     if quick:
         clip, hits = clip.trimmed(0.0, HITS[0] + 0.5), HITS[:1]

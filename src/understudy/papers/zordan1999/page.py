@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html as markup
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 from understudy import __version__
@@ -11,10 +11,10 @@ from understudy.evaluate.chart import SCRIPT
 from understudy.evaluate.chart import STYLE as CHART_STYLE
 from understudy.output.page import page
 from understudy.papers.filmstrip import STYLE as FILM_STYLE
-from understudy.papers.filmstrip import films_html
+from understudy.papers.filmstrip import Film, films_html
 from understudy.papers.sheets import STYLE as SHEET_STYLE
 from understudy.papers.sheets import as_html
-from understudy.papers.zordan1999.finding import Claim, Finding
+from understudy.papers.zordan1999.finding import Claim, Finding, Strip
 from understudy.papers.zordan1999.published import FIGURES, NOT_COMPARABLE
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ def _section(finding: Finding, *, sharp: bool) -> str:
         _shows(finding),
         _claims(finding.claims),
         *(
-            films_html(s.films, alt=s.alt, scale=s.scale, width=width, height=height)
+            films_html(_films(s, sharp), alt=s.alt, scale=s.scale, width=width, height=height)
             for s in finding.strips
         ),
         *(chart.html() for chart in finding.charts),
@@ -138,6 +138,11 @@ def _section(finding: Finding, *, sharp: bool) -> str:
         f'<p class="note">{_text(finding.setting)}</p></section>',
     ]
     return "\n".join(filter(None, parts))
+
+
+def _films(strip: Strip, sharp: bool) -> list[Film]:
+    """The rows; of a quick run every third moment."""
+    return [replace(f, times=f.times[:: 1 if sharp else 3]) for f in strip.films]
 
 
 def _numbers(finding: Finding) -> str:

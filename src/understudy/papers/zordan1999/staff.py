@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass, field
 
+import mujoco
 import numpy as np
 
 from understudy.character.bodies import adult_man
@@ -27,74 +28,87 @@ PUMPED = (1.1, 5.0)
 PUSH, PUSHED = 5.0, 3.0
 # Held below its middle it would topple, and a push on its middle tilts it.
 GRIP = 0.4
-# Upright again [deg], in the mean over the last fifth of the second.
+# Upright is this near to the vertical [deg].
 UPRIGHT = 3.0
 
 
-def tilts(take: Take) -> Array:
-    """Angle of the staff from the vertical [deg], shape (frames,)."""
-    import mujoco
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pumped:
+    """A staff through a take.
 
+    Attributes:
+        take: What happened.
+        angle: Of the staff from the vertical at every step [deg], shape (frames,).
+    """
+
+    take: Take = field(repr=False)
+    angle: Array = field(repr=False)
+
+    @property
+    def steady(self) -> Array:
+        """The angle while the staff is pumped [deg]."""
+        times = self.take.times
+        return self.angle[(times >= PUMPED[0]) & (times <= PUMPED[1])]
+
+    @property
+    def tilt(self) -> tuple[float, float]:
+        """Root mean square and largest through the pump [deg]."""
+        return float(np.sqrt(np.mean(self.steady**2))), float(self.steady.max())
+
+    @property
+    def back(self) -> float | None:
+        """Time from the push until the staff is upright and stays so [s]; None for never."""
+        times = self.take.times
+        last = min(PUMPED[1], float(times[-1]))
+        away = times[(times > PUSHED) & (times < last) & (self.angle > UPRIGHT)]
+        end = float(away.max()) - PUSHED if len(away) else 0.0
+        return end if end < last - PUSHED - 0.1 else None
+
+
+def pumped(take: Take) -> Pumped:
+    """The staff of a take."""
     body = mujoco.mj_name2id(take.model, mujoco.mjtObj.mjOBJ_BODY, "staff")
     _, _, turned = take.poses()
     up = rot.rotate(turned[:, body], np.array([0.0, 0.0, 1.0]))[:, 2]
-    return np.degrees(np.arccos(np.clip(up, -1.0, 1.0)))
+    return Pumped(take=take, angle=np.degrees(np.arccos(np.clip(up, -1.0, 1.0))))
 
 
 def pumping(*, quick: bool = False) -> Finding:
     """The staff with its task and without, under both laws, and pushed."""
-    clip, body = sample("staff"), adult_man()
+    clip, body = sample("staff"), adult_man(plan="upper" if quick else "full")
     if quick:
         clip = clip.trimmed(0.0, 4.4)
     staff = Staff(grip=GRIP)
 
-    def played(law: str, *tasks: Upright | Push) -> Take:
-        return simulate(tracked(clip, body, law=law, tasks=tasks, props=(staff,)))
+    def played(law: str, *tasks: Upright | Push) -> Pumped:
+        return pumped(simulate(tracked(clip, body, law=law, tasks=tasks, props=(staff,))))
 
     ways = {"ahead": (PUSH, 0.0, 0.0), "to the left": (0.0, PUSH, 0.0)}
-    pushes = {way: Push(time=PUSHED, on="staff", impulse=impulse) for way, impulse in ways.items()}
     laws = ("modern",) if quick else ("modern", "paper")
     if quick:
-        del pushes["to the left"]
+        del ways["to the left"]
     plain = {law: played(law) for law in laws}
     task = {law: played(law, Upright()) for law in laws}
-    hit = {way: played("modern", Upright(), push) for way, push in pushes.items()}
-    rows = [("kinematic playback", None, None, *_measured(played_back(plain["modern"])), None)]
-    rows += [("tracked", k, None, *_measured(t), None) for k, t in plain.items()]
-    rows += [("task in the wrist", k, None, *_measured(t), None) for k, t in task.items()]
-    rows += [
-        ("task in the wrist", "modern", way, *_measured(t), _back(t)) for way, t in hit.items()
-    ]
-    return _finding(rows, plain["modern"], task["modern"], hit)
-
-
-def _measured(take: Take) -> tuple[float, float]:
-    """Tilt through the pump [deg]: root mean square and largest."""
-    inside = (take.times >= PUMPED[0]) & (take.times <= PUMPED[1])
-    angle = tilts(take)[inside]
-    return float(np.sqrt(np.mean(angle**2))), float(angle.max())
-
-
-def _back(take: Take) -> float | None:
-    """Time from the push until the staff is upright and stays so [s]; None for never."""
-    angle = tilts(take)
-    after = (take.times > PUSHED) & (take.times < PUMPED[1])
-    away = take.times[after & (angle > UPRIGHT)]
-    end = float(away.max()) - PUSHED if len(away) else 0.0
-    return end if end < PUMPED[1] - PUSHED - 0.1 else None
+    hit = {
+        way: played("modern", Upright(), Push(time=PUSHED, on="staff", impulse=impulse))
+        for way, impulse in ways.items()
+    }
+    raw = pumped(played_back(plain["modern"].take))
+    rows: list[tuple[object, ...]] = [("kinematic playback", None, None, *raw.tilt, None)]
+    rows += [("tracked", law, None, *one.tilt, None) for law, one in plain.items()]
+    rows += [("task in the wrist", law, None, *one.tilt, None) for law, one in task.items()]
+    rows += [("task in the wrist", "modern", way, *one.tilt, one.back) for way, one in hit.items()]
+    return _finding(rows, raw, plain["modern"], task["modern"], hit)
 
 
 def _finding(
-    rows: Sequence[tuple[object, ...]], plain: Take, task: Take, hit: dict[str, Take]
+    rows: list[tuple[object, ...]], raw: Pumped, plain: Pumped, task: Pumped, hit: dict[str, Pumped]
 ) -> Finding:
-    raw, kept = _measured(played_back(plain)), _measured(task)
-    backs = [_back(take) for take in hit.values()]
-    late = max(float("inf") if b is None else b for b in backs)
-    least = float(tilts(task)[(task.times > PUMPED[0]) & (task.times < PUMPED[1])].min())
-    worst = max(_measured(take)[1] for take in hit.values())
+    late = max(float("inf") if one.back is None else one.back for one in hit.values())
+    worst = max(one.tilt[1] for one in hit.values())
     pushed = hit["ahead"]
     times = spread(2.0, 2.8, 6)
-    after = tuple(min(PUSHED - 0.05 + 0.15 * k, pushed.duration) for k in range(6))
+    after = tuple(min(PUSHED - 0.05 + 0.15 * k, pushed.take.duration) for k in range(6))
     return Finding(
         figure="8, staff",
         title="The staff",
@@ -105,18 +119,19 @@ def _finding(
         claims=(
             Claim(
                 said="Played back, the staff does not stay vertical.",
-                measured=f"{raw[0]:.1f} degrees rms, {raw[1]:.0f} at most",
-                holds=raw[0] > UPRIGHT,
+                measured=f"{raw.tilt[0]:.1f} degrees rms, {raw.tilt[1]:.0f} at most",
+                holds=raw.tilt[0] > UPRIGHT,
             ),
             Claim(
                 said="A servo in the wrist keeps it upright.",
-                measured=f"{kept[0]:.2f} degrees rms through the pump (goal: {UPRIGHT:g} or less)",
-                holds=kept[0] <= UPRIGHT,
+                measured=f"{task.tilt[0]:.2f} degrees rms through the pump "
+                f"(goal: {UPRIGHT:g} or less)",
+                holds=task.tilt[0] <= UPRIGHT,
             ),
             Claim(
                 said="It sways in a realistic way under its own mass.",
-                measured=f"sways between {least:.2f} and {kept[1]:.2f} degrees; a push of "
-                f"{PUSH:g} N s tilts it by {worst:.0f} degrees, and it is back within "
+                measured=f"sways between {task.steady.min():.2f} and {task.tilt[1]:.2f} degrees; "
+                f"a push of {PUSH:g} N s tilts it by {worst:.0f} degrees, and it is back within "
                 f"{UPRIGHT:g} degrees after {late:.2f} s (goal: 1 s)",
                 holds=late <= 1.0 and worst > UPRIGHT,
             ),
@@ -128,10 +143,13 @@ def _finding(
                 f"The push of {PUSH:g} N s ahead on its middle comes at {PUSHED:g} s.",
                 x_label="Time [s]",
                 y_label="Tilt [deg]",
-                series=(
-                    Series(name="task in the wrist", x=task.times, y=tilts(task)),
-                    Series(name="kinematic playback", x=plain.times, y=tilts(played_back(plain))),
-                    Series(name="task, pushed ahead", x=pushed.times, y=tilts(pushed)),
+                series=tuple(
+                    Series(name=name, x=one.take.times, y=one.angle)
+                    for name, one in (
+                        ("task in the wrist", task),
+                        ("kinematic playback", raw),
+                        ("task, pushed ahead", pushed),
+                    )
                 ),
             ),
         ),
@@ -139,9 +157,9 @@ def _finding(
             Strip(
                 alt="A man pumps a staff: tilting as captured, upright with the task.",
                 films=(
-                    Film(title="as captured", thing=plain, times=times),
-                    Film(title="task in the wrist", thing=task, times=times),
-                    Film(title="pushed ahead at 3 s", thing=pushed, times=after),
+                    Film(title="as captured", thing=plain.take, times=times),
+                    Film(title="task in the wrist", thing=task.take, times=times),
+                    Film(title="pushed ahead at 3 s", thing=pushed.take, times=after),
                 ),
             ),
         ),
@@ -161,8 +179,8 @@ def _finding(
             ),
         ),
         facts={
-            "staff_tilt_rms_deg": kept[0],
-            "staff_tilt_played_back_rms_deg": raw[0],
+            "staff_tilt_rms_deg": task.tilt[0],
+            "staff_tilt_played_back_rms_deg": raw.tilt[0],
             "staff_recovery_s": None if np.isinf(late) else late,
         },
     )
