@@ -6,8 +6,8 @@ Bows by 60, 80 and 100 degrees (the line from pelvis to neck from the vertical),
 seconds. "tracking" follows the same balanced clip with servos and feedforward alone. A push lasts
 0.1 s, from four sides, on pelvis and chest, in the hold and while standing still; the body has
 fallen when its center of mass is 0.3 m from the middle of the soles or half as high as at first; it
-survives when at the end it is within 40 mm of it. Cost: both advance the same scene in turns, in one
-process and thread; the least CPU time of each counts.
+survives when at the end it is within 40 mm of it. Cost: both advance the same scene in turns, in
+one process and thread; the least CPU time of each counts.
 """
 
 from __future__ import annotations
