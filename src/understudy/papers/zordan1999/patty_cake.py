@@ -433,7 +433,7 @@ def _finding(
                 rows=tuple(rows),
                 notes=(
                     "Windows of longer offsets last as long as at the captured speed.",
-                    "With a damping of a tenth of the stiffness a softer servo is less overdamped: at "
+                    "Damped by a tenth of its stiffness, a softer servo is less overdamped: at "
                     "1000 /s^2 the hands are as late, but go farther.",
                     "Children of nearly an adult's proportions who stand as near in scale as the "
                     "adults do need no offsets: the motion is similar.",

@@ -123,7 +123,7 @@ def _finding(cast: Cast, times: Array, paths: dict[str, dict[str, Array]]) -> Fi
             Claim(
                 said="The simulated motion has peaks similar to the raw marker's.",
                 measured=f"{hand} hand {literal[side]:.2f} m/s simulated, {raw[side]:.2f} raw "
-                f"({100 * (ratio - 1):+.0f} %)",
+                f"({round(100 * (ratio - 1)):+d} %)",
                 holds=abs(ratio - 1.0) <= 0.25,
             ),
             Claim(
