@@ -8,15 +8,14 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 from tyro.conf import Positional, arg
 
 from understudy.app.outcome import Interrupted, Outcome, plain, table
-from understudy.app.performing import ready, spared, staged
+from understudy.app.performing import kept, partial, ready, spared, staged, status
 from understudy.app.track import HELP_FROM_ABOVE, counted, folded, unique
-from understudy.errors import ControllerFailed, Diverged, InvalidValue, UnderstudyError
+from understudy.errors import ControllerFailed, Diverged, InvalidValue
 
 if TYPE_CHECKING:
     from understudy.edit import Edit
@@ -153,9 +152,9 @@ def run(options: Options) -> Outcome:
             rows.append(attempted(job))
             _say(rows, len(jobs))
     except KeyboardInterrupt as stop:
-        status = getattr(stop, "status", Interrupted().status)
-        raise Interrupted(result=result(rows), status=status) from stop
-    return Outcome(result=result(rows), text=text(rows), status=status_of(rows))
+        code = getattr(stop, "status", Interrupted().status)
+        raise Interrupted(result=result(rows), status=code) from stop
+    return Outcome(result=result(rows), text=text(rows), status=status(rows))
 
 
 def _say(rows: Sequence[Row], count: int) -> None:
@@ -198,12 +197,8 @@ def attempted(job: Job) -> Row:
     try:
         return performed(job)
     except (Diverged, ControllerFailed) as error:
-        files = _kept(job, error)
-        said = str(error).replace("; the take up to then is kept.", ".")
-        if files:
-            path = files["take.npz"]
-            said += f" The take up to then: {path}; see it with: understudy render {quote(path)}"
-        path = str(job.edit.source.path)
+        files = kept(job.folder, job.name, job.keep, error)
+        path, said = str(job.edit.source.path), partial(str(error), files)
         return Row(path=path, name=job.name, error=f"{path}: {said}", status=1, files=files)
 
 
@@ -246,28 +241,7 @@ def write_all(take: Take, folder: Path, job: Job) -> None:
     us.write_report(take, folder / f"{job.name}.html")
 
 
-def _kept(job: Job, error: Diverged | ControllerFailed) -> dict[str, str]:
-    """Write the take of a run that ended early, beside where its files would be."""
-    import understudy as us
-
-    if error.take is None:
-        return {}
-    path = job.folder / f"{job.name}_until_{error.time:.3f}s.take.npz"
-    try:
-        spared(path, job.keep)
-        us.write(error.take, path)
-    except UnderstudyError:
-        return {}
-    return {"take.npz": str(path)}
-
-
 # -- what is said ------------------------------------------------------------------------------
-
-
-def status_of(rows: Sequence[Row]) -> int:
-    """0 when all went well, what all share when all failed alike, else 1."""
-    found = {row.status for row in rows}
-    return found.pop() if len(found) == 1 else 1
 
 
 def result(rows: Sequence[Row]) -> dict[str, Any]:
@@ -288,7 +262,7 @@ def result(rows: Sequence[Row]) -> dict[str, Any]:
             for row in rows
         ],
         "failed": len(failed),
-        "status": status_of(rows) if rows else 0,
+        "status": status(rows) if rows else 0,
     }
     if failed and len(failed) == len(rows):
         answer["error"] = failed[0].error

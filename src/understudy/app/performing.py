@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import tempfile
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -92,8 +92,8 @@ def attempted(job: Job) -> Row:
         message, status = explained(error)
         files = {}
         if isinstance(error, Diverged | ControllerFailed):
-            files = _kept(job, error)
-            message = _partial(message, files)
+            files = kept(job.folder, job.name, job.keep, error)
+            message = partial(message, files)
         return Row(clip=job.clip, name=job.name, error=message, status=status, files=files)
 
 
@@ -208,7 +208,7 @@ def staged(
             folder.rmdir()
 
 
-def _partial(message: str, files: dict[str, str]) -> str:
+def partial(message: str, files: dict[str, str]) -> str:
     """The message with where the take up to then is, and how to look at it."""
     said = message.replace("; the take up to then is kept.", ".")
     if not files:
@@ -217,16 +217,24 @@ def _partial(message: str, files: dict[str, str]) -> str:
     return f"{said} The take up to then: {path}; see it with: understudy render {quote(path)}"
 
 
-def _kept(job: Job, error: Diverged | ControllerFailed) -> dict[str, str]:
+def kept(
+    folder: Path, name: str, keep: Iterable[Path], error: Diverged | ControllerFailed
+) -> dict[str, str]:
     """Write the take of a run that ended early, beside where its files would be."""
     import understudy as us
 
     if error.take is None:
         return {}
-    path = job.folder / f"{job.name}_until_{error.time:.3f}s.take.npz"
+    path = folder / f"{name}_until_{error.time:.3f}s.take.npz"
     try:
-        spared(path, job.keep)
+        spared(path, keep)
         us.write(error.take, path)
     except UnderstudyError:
         return {}
     return {"take.npz": str(path)}
+
+
+def status(rows: Sequence[Any]) -> int:
+    """Of rows that have one each: 0 when all went well, what all share when all failed, else 1."""
+    found = {row.status for row in rows}
+    return found.pop() if len(found) == 1 else 1

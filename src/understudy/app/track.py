@@ -15,7 +15,7 @@ from tyro.conf import Positional, arg
 
 from understudy.app.body import Body, check_body
 from understudy.app.outcome import Interrupted, Outcome, table
-from understudy.app.performing import Job, Row, attempted, ready, spared
+from understudy.app.performing import Job, Row, attempted, ready, spared, status
 from understudy.app.reading import Reading, expanded, inputs, stem
 from understudy.app.workers import each
 from understudy.errors import InvalidValue
@@ -189,12 +189,6 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def status(rows: Sequence[Row]) -> int:
-    """0 when all went well, what all share when all failed alike, else 1."""
-    found = {row.status for row in rows}
-    return found.pop() if len(found) == 1 else 1
 
 
 def result(rows: Sequence[Row]) -> dict[str, Any]:
