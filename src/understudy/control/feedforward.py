@@ -176,11 +176,11 @@ def required(
 
 def _leaning(edges: Array, ground: Ground, points: Array) -> Array:
     """The friction pyramid's edges about the ground's normal under points, (points, 4, 3)."""
-    normals = ground.normals(points)
-    first = np.cross(np.array([0.0, 1.0, 0.0]), normals)
-    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    normals: Array = ground.normals(points)
+    first: Array = np.cross(np.array([0.0, 1.0, 0.0]), normals)
+    first = first / np.linalg.norm(first, axis=-1, keepdims=True)
     axes = np.stack((first, np.cross(normals, first), normals), axis=1)
-    return edges @ axes
+    return np.asarray(edges @ axes, float)
 
 
 def _quiet_copy(model: mujoco.MjModel) -> mujoco.MjModel:

@@ -167,7 +167,9 @@ def score(take: Take, *, character: int = 0, measures: Measured | None = None) -
     if not hasattr(take, "qpos"):
         raise InvalidValue(f"take is {shown(take)}; it must be a Take, as `track` gives.")
     if any(isinstance(performer, Linkage) for performer in take.scene.characters):
-        raise InvalidValue("Scores are of characters; `understudy.fidelity.drive_error` measures a driven linkage.")
+        raise InvalidValue(
+            "Scores are of characters; `understudy.fidelity.drive_error` measures a driven linkage."
+        )
     m = measured(take) if measures is None else measures
     who = m.performer(character)
     reference = take.references[character]
