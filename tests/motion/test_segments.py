@@ -12,6 +12,7 @@ from understudy.errors import InvalidValue
 from understudy.motion import edits, samples
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
+from understudy.motion.samples import partner
 from understudy.motion.segments import blended, concatenated, eased, looped, spliced
 from understudy.motion.skeleton import Skeleton
 from understudy.motion.transitions import transitions
@@ -212,7 +213,6 @@ def test_a_pose_that_is_not_shared_is_refused_with_joint_and_angle():
 
 
 def test_segments_of_patty_cake_go_in_any_order():
-    partner = pytest.importorskip("understudy.motion.samples.partner")
     whole, times = partner.patty_cake(), partner.boundaries()
     parts = [whole.trimmed(a, b) for a, b in pairwise(times)]
     out = concatenated([parts[k] for k in (2, 0, 4, 1, 3, 0)])
