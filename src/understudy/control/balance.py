@@ -140,7 +140,7 @@ class Balance(Task):
             raise InvalidValue("Balance: no reference; give the task to `tracked`, which sets it.")
 
     def feedback(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
-        """The law, its numbers, and nothing to remember."""
+        """The law, its numbers, and whether the body has fallen."""
         part, body = scene.parts[self.character], scene.characters[self.character]
         root = part.bodies[0]
         tree = int(model.body_rootid[root])
@@ -170,7 +170,7 @@ class Balance(Task):
         bodies = np.stack((moving, model.body_mass[moving]), axis=-1)
         parts = (self.times, numbers, feet, rows, bodies, samples)
         flat = [np.asarray(values, float).ravel() for values in parts]
-        return balance_law.law, np.concatenate(flat), np.zeros(0)
+        return balance_law.law, np.concatenate(flat), np.zeros(1)
 
     def _samples(self, scene: Scene, body: Character) -> tuple[Array, float]:
         """The law's reference, a row for every step, and the mean height of the center [m]."""

@@ -42,6 +42,8 @@ BODIES = ROWS + 6 * JOINT
 # A row of the reference: center of mass from the middle of the feet, velocity, acceleration, change
 # of angular momentum; the pelvis' orientation and spin; six joints' rotations and rates.
 WIDTH = 4 * 3 + 7 + 6 * 7
+# A center of mass lower than this part of where it should be has fallen.
+FALLEN = 0.65
 # A foot keeps at least this part of the load, and turns the body with this part of its own.
 LEAST, GRIP = 0.05, 0.5
 
@@ -56,6 +58,12 @@ def law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unty
     step = min(int(time / p[STEP] + 0.5), int(p[COUNT]) - 1)
     now = BODIES + 2 * bodies + step * WIDTH
     left, right = sole_at(state, p, FEET), sole_at(state, p, FEET + FOOT)
+    height = state.subtree_com[int(p[TREE]), 2] - 0.5 * (left[2] + right[2])
+    if height < FALLEN * p[now + 2]:
+        memory[0] = 1.0
+    if memory[0] > 0.0:
+        go_limp(state, ctrl, p, weight)
+        return
     force, moment = wanted(state, p, now, left, right)
     left_push, right_push = shared(state, p, left, right, force, moment)
     for k in range(6):
@@ -72,6 +80,13 @@ def law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unty
             torque[2] + stiff * ez + damp * (p[at + 6] - z),
         )
         put(ctrl, p, row, given_torque(state, p, row, torque), weight)
+
+
+def go_limp(state, ctrl, p, weight):  # type: ignore[no-untyped-def]
+    """Legs of a body that fell: no torque but damping; pushing on would throw it into the air."""
+    for k in range(6):
+        row = ROWS + k * JOINT
+        put(ctrl, p, row, quaternion_at(state.qpos, int(p[row + 2])), weight)
 
 
 def sole_at(state, p, foot):  # type: ignore[no-untyped-def]
