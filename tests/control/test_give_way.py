@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import understudy as us
-from understudy.control import GiveWay, LookAt, Push
-from understudy.control.give_way import _COUNT, _FIRST, _HITS, _STRENGTH, strength_at
-from understudy.errors import InvalidValue
-from understudy.evaluate import compare
+from understudy.control import GiveWay, LookAt, Push, Throw
+from understudy.control.give_way import _FIRST, _HITS, _STRENGTH, strength_at
+from understudy.errors import InvalidValue, UnknownName
+from understudy.evaluate import compare, contact_events
+from understudy.scene import Ball
 
 
 @pytest.fixture(scope="module")
@@ -17,25 +18,28 @@ def clip() -> us.Clip:
     return us.sample("gesture").trimmed(0.0, 3.2)
 
 
+NEVER = np.zeros(0)
+
+
 def parameters(hits: tuple[float, ...], strength=0.2, fall=0.1, limp=0.2, recovery=0.4):
     out = np.zeros(_FIRST + len(hits))
     out[_STRENGTH : _STRENGTH + 4] = strength, fall, limp, recovery
-    out[_HITS], out[_COUNT] = len(hits), 0
+    out[_HITS] = len(hits)
     out[_FIRST:] = hits
     return out
 
 
 def test_strength_falls_stays_low_and_recovers():
     times = (0.99, 1.0, 1.05, 1.1, 1.2, 1.3, 1.5, 1.7, 2.0)
-    found = [strength_at(time, parameters((1.0,))) for time in times]
+    found = [strength_at(time, parameters((1.0,)), NEVER) for time in times]
     np.testing.assert_allclose(found, [1, 1, 0.6, 0.2, 0.2, 0.2, 0.6, 1, 1], atol=1e-12)
 
 
 def test_of_two_hits_the_weaker_moment_counts():
     both = parameters((1.0, 1.4))
     for time in np.linspace(0.9, 2.2, 40):
-        alone = [strength_at(time, parameters((hit,))) for hit in (1.0, 1.4)]
-        assert strength_at(time, both) == min(alone)
+        alone = [strength_at(time, parameters((hit,)), NEVER) for hit in (1.0, 1.4)]
+        assert strength_at(time, both, NEVER) == min(alone)
 
 
 def away(take: us.Take) -> tuple[np.ndarray, np.ndarray]:
@@ -77,6 +81,39 @@ def test_times_come_from_what_hits():
 def test_values_that_cannot_be_meant_are_refused(settings, message):
     with pytest.raises(InvalidValue, match=message):
         GiveWay(**settings)
+
+
+def test_it_gives_way_when_the_ball_touches_not_when_it_was_to_arrive(clip):
+    body = us.Character.from_clip(clip)
+    throw = Throw(time=1.2, ball="ball", at="chest", flight=0.4)
+    ball = Ball(position=(3.0, 0.2, 1.5), mass=3.0)
+    give = GiveWay.after(throw)
+    assert give.touches == (("ball", 1.2),) and give.hits == ()
+    contacts = [("ball", part) for part in ("chest", "abdomen")]
+    take = us.track(clip, body, props=[ball], contacts=contacts, tasks=[throw, give])
+    hit = contact_events(take, "chest", "ball")[0].start_s
+    assert hit < 1.19  # the ball's surface is there before its middle
+    stiff = us.track(clip, body, props=[ball], contacts=contacts, tasks=[throw])
+    before = take.times < hit
+    np.testing.assert_allclose(take.qpos[before], stiff.qpos[before], atol=1e-9)
+    times, angle = away(take)
+    assert angle[(times > hit) & (times < hit + 0.5)].max() > 1.3 * away(stiff)[1].max()
+    assert angle[times > hit + 1.5].max() < 5.0
+
+
+def test_a_ball_that_misses_weakens_nobody(clip):
+    body = us.Character.from_clip(clip)
+    throw = Throw(time=1.0, ball="ball", at=(0.5, 3.0, 1.0), flight=0.4)
+    ball = Ball(position=(3.0, 3.0, 1.5))
+    take = us.track(clip, body, props=[ball], tasks=[throw, GiveWay.after(throw)])
+    assert away(take)[1].max() < 2.0
+
+
+def test_a_prop_that_is_not_there_is_refused_with_the_nearest(clip):
+    body = us.Character.from_clip(clip)
+    ball = Ball(position=(3.0, 0.0, 1.5))
+    with pytest.raises(UnknownName, match=r"'bal'\. Did you mean 'ball'"):
+        us.track(clip, body, props=[ball], tasks=[GiveWay(touches=(("bal", 1.0),))])
 
 
 def test_driven_bodies_give_way_and_come_back_too():

@@ -17,14 +17,16 @@ import mujoco
 import numpy as np
 
 from understudy.character import Character
-from understudy.control.disturbance import Disturbance
+from understudy.control.disturbance import Disturbance, Throw
 from understudy.control.quaternion import advanced, quaternion_at
 from understudy.control.task import JOINT, TIMES, Task, error_of, joint_rows, spin_of
-from understudy.errors import InvalidValue, shown
+from understudy.errors import InvalidValue, UnknownName, shown
 from understudy.motion.rotations import Array
 from understudy.scene import Scene
 
 _LEGS = ("hip", "knee", "ankle", "ball")
+# How long before and after its time a prop may hit [s], and from which force on it has [N].
+_BEFORE, _AFTER, _FELT = 0.35, 0.15, 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +35,8 @@ class GiveWay(Task):
 
     Attributes:
         hits: Times of the hits [s]; see `after`.
+        touches: Names of props that hit, and about when [s]: strength falls when the prop first
+            touches something within 0.35 s before that and 0.15 s after.
         strength: What is left of the servos right after a hit, 0 to 1.
         fall: How fast strength falls [s].
         limp: How long it stays low [s].
@@ -41,6 +45,7 @@ class GiveWay(Task):
     """
 
     hits: tuple[float, ...] = ()
+    touches: tuple[tuple[str, float], ...] = ()
     strength: float = 0.15
     fall: float = 0.02
     limp: float = 0.15
@@ -54,6 +59,8 @@ class GiveWay(Task):
         if not all(0.0 <= t < math.inf for t in numbers):
             raise InvalidValue(f"GiveWay: hits is {shown(self.hits)}; it must be times [s].")
         object.__setattr__(self, "hits", tuple(sorted(numbers)))
+        touches = tuple((str(prop), float(time)) for prop, time in self.touches)
+        object.__setattr__(self, "touches", touches)
         if not 0.0 <= self.strength <= 1.0:
             raise InvalidValue(f"GiveWay: strength is {self.strength}; it must lie in 0 to 1.")
         for name in ("fall", "limp", "recovery"):
@@ -66,17 +73,41 @@ class GiveWay(Task):
     @classmethod
     def after(cls, *disturbances: Disturbance, **settings: Any) -> GiveWay:
         """One that gives way to these pushes and throws; settings as for `GiveWay`."""
-        return cls(hits=tuple(one.time for one in disturbances), **settings)
+        throws = tuple((one.ball, one.time) for one in disturbances if isinstance(one, Throw))
+        hits = tuple(one.time for one in disturbances if not isinstance(one, Throw))
+        return cls(hits=hits, touches=throws, **settings)
 
     def share(self, times: Array) -> Array:
-        """What is left of the strength at times [s], 0 to 1, shape (times,)."""
-        numbers = self._numbers((0, 0, 0), 0)
-        return np.array([strength_at(float(time), numbers) for time in times])
+        """What is left of the strength at times [s], 0 to 1, shape (times,).
 
-    def _numbers(self, slides: tuple[int, int, int], rows: int) -> Array:
+        Props are taken to hit at the times given: nothing is simulated yet.
+        """
+        numbers = self._numbers((0, 0, 0), 0, [])
+        struck = np.array([time for _, time in self.touches])
+        return np.array([strength_at(float(time), numbers, struck) for time in times])
+
+    def _numbers(
+        self, slides: tuple[int, int, int], rows: int, sensors: list[tuple[float, float, float]]
+    ) -> Array:
         """What the law reads before the joints: the course of strength, the root, the hits."""
         course = (self.strength, self.fall, self.limp, self.recovery)
-        return np.array([*self.times, *course, *slides, len(self.hits), rows, *self.hits])
+        counts = (len(self.hits), len(self.touches), rows)
+        watched = [number for sensor in sensors for number in sensor]
+        return np.array([*self.times, *course, *slides, *counts, *self.hits, *watched])
+
+    def _sensors(self, model: mujoco.MjModel) -> list[tuple[float, float, float]]:
+        """Place of every prop's touch sensor, and between which times it counts [s]."""
+        out = []
+        for prop, time in self.touches:
+            name = f"{prop}/touch"
+            number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, name)
+            if number < 0:
+                kind = mujoco.mjtObj.mjOBJ_SENSOR
+                names = [mujoco.mj_id2name(model, kind, k) or "" for k in range(model.nsensor)]
+                valid = [n.removesuffix("/touch") for n in names if n.endswith("/touch")]
+                raise UnknownName("prop for GiveWay", prop, valid)
+            out.append((float(model.sensor_adr[number]), time - _BEFORE, time + _AFTER))
+        return out
 
     def check_joints(self, body: Character) -> None:
         """Refuse a body that lacks a joint named in `give`; it shares all others with tasks.
@@ -88,7 +119,7 @@ class GiveWay(Task):
             body.link(joint)
 
     def feedback(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
-        """The law, the hits and the servos, and nothing to remember."""
+        """The law, the hits and the servos, and when each prop first touched something."""
         part, body = scene.parts[self.character], scene.characters[self.character]
         joints = self.give
         if joints is None:
@@ -108,16 +139,18 @@ class GiveWay(Task):
         )
         slides = (part.qpos.start, part.dofs.start, part.root_controls[0])
         rows = np.concatenate((root[None], rows))
-        numbers = self._numbers(slides, len(rows))
-        return _law, np.concatenate((numbers, rows.ravel())), np.zeros(0)
+        numbers = self._numbers(slides, len(rows), self._sensors(model))
+        never = np.full(len(self.touches), -1.0)
+        return _law, np.concatenate((numbers, rows.ravel())), never
 
 
-_STRENGTH, _SLIDES, _HITS, _COUNT, _FIRST = (TIMES + k for k in (0, 4, 7, 8, 9))
+_STRENGTH, _SLIDES, _HITS, _TOUCHES, _COUNT, _FIRST = (TIMES + k for k in (0, 4, 7, 8, 9, 10))
 
 
 def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
     """Replace every command by one that gives a share s of its torque, damping included."""
-    s = strength_at(time, parameters)
+    feel(time, state, parameters, memory)
+    s = strength_at(time, parameters, memory)
     if s >= 1.0:
         return
     q, v = int(parameters[_SLIDES]), int(parameters[_SLIDES + 1])
@@ -126,7 +159,7 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
         place, speed = state.qpos[q + axis], state.qvel[v + axis]
         ctrl[c + 2 * axis] = place + s * (ctrl[c + 2 * axis] - place)
         ctrl[c + 2 * axis + 1] = speed + s * (ctrl[c + 2 * axis + 1] - speed)
-    first = _FIRST + int(parameters[_HITS])
+    first = _FIRST + int(parameters[_HITS]) + 3 * int(parameters[_TOUCHES])
     for k in range(int(parameters[_COUNT])):
         row = first + JOINT * k
         stiffness, damping = parameters[row + 5], parameters[row + 6]
@@ -145,8 +178,18 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
         )
 
 
-def strength_at(time, parameters):  # type: ignore[no-untyped-def]
-    """Share of the servos' torque at a time: the least that any hit leaves."""
+def feel(time, state, parameters, memory):  # type: ignore[no-untyped-def]
+    """Remember when each prop first touched something while it was expected to hit."""
+    first = _FIRST + int(parameters[_HITS])
+    for k in range(int(parameters[_TOUCHES])):
+        at = first + 3 * k
+        due = parameters[at + 1] <= time <= parameters[at + 2]
+        if memory[k] < 0.0 and due and state.sensordata[int(parameters[at])] > _FELT:
+            memory[k] = time
+
+
+def strength_at(time, parameters, touched):  # type: ignore[no-untyped-def]
+    """Share of the servos' torque at a time: the least that any hit or touch leaves."""
     low, fall, limp, recovery = (
         parameters[_STRENGTH],
         parameters[_STRENGTH + 1],
@@ -154,9 +197,11 @@ def strength_at(time, parameters):  # type: ignore[no-untyped-def]
         parameters[_STRENGTH + 3],
     )
     least = 1.0
-    for k in range(int(parameters[_HITS])):
-        since = time - parameters[_FIRST + k]
-        if since < 0.0 or since >= fall + limp + recovery:
+    hits = int(parameters[_HITS])
+    for k in range(hits + int(parameters[_TOUCHES])):
+        moment = parameters[_FIRST + k] if k < hits else touched[k - hits]
+        since = time - moment
+        if moment < 0.0 or since < 0.0 or since >= fall + limp + recovery:
             continue
         if since < fall:
             down = since / fall
