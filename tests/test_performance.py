@@ -9,7 +9,7 @@ import pytest
 
 import understudy as us
 from understudy.character import adult_man, child
-from understudy.control import LookAt, Push, Tracking, Upright
+from understudy.control import Balance, LookAt, Push, Tracking, Upright
 from understudy.errors import InvalidValue
 from understudy.performance import together, tracked
 from understudy.scene import Ball, Drum, Ground, Staff
@@ -124,3 +124,13 @@ def test_without_contacts_a_prop_is_passed_through(clip):
     hit, passed = us.simulate(performance), us.simulate(through)
     assert np.abs(hit.qpos - passed.qpos).max() > 1e-3
     np.testing.assert_allclose(passed.qpos, us.track(clip, adult_man()).qpos, atol=1e-9)
+
+
+def test_a_led_pelvis_and_balance_do_not_go_together(clip):
+    with pytest.raises(InvalidValue, match="Balance: pelvis is 'led', which holds the body up"):
+        tracked(clip, adult_man(), pelvis="led", tasks=[Balance()])
+
+
+def test_balance_of_an_upper_body_says_that_it_has_no_legs(clip):
+    with pytest.raises(InvalidValue, match="plan 'upper', which has no legs: use 'full'"):
+        tracked(clip, adult_man(plan="upper"), tasks=[Balance()])

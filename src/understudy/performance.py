@@ -15,6 +15,7 @@ from understudy.character.body import SelfCollision
 from understudy.character.build import size_doubts
 from understudy.character.soles import planted, standing
 from understudy.control import Controller, Disturbance, Drive, GiveWay, Task, Tracking
+from understudy.control.disturbance import check_throws
 from understudy.control.task import check_overlaps
 from understudy.errors import InvalidValue, UnknownName, expect, shown
 from understudy.motion.clip import Clip
@@ -49,6 +50,8 @@ class Performance:
             raise InvalidValue(f"duration is {self.duration!s:.40} s; it must be zero or positive.")
         numbers = self.steps * (self.scene.model.nq + self.scene.model.nv + self.scene.model.nu)
         check_overlaps(self.controllers)
+        check_throws(self.controllers)
+        _check_pelvis(self.controllers)
         if numbers > 1_000_000_000:
             raise InvalidValue(
                 f"duration is {self.duration} s: {numbers * 8 / 1e9:.0f} GB of states; "
@@ -59,6 +62,21 @@ class Performance:
     def steps(self) -> int:
         """Number of physics steps."""
         return round(self.duration / self.scene.timestep)
+
+
+def _check_pelvis(controllers: Iterable[Controller]) -> None:
+    """Refuse to lead the pelvis of a body that is to balance by itself.
+
+    Raises:
+        InvalidValue: Says so.
+    """
+    led = {c.character for c in controllers if isinstance(c, Tracking) and c.pelvis == "led"}
+    for task in controllers:
+        if isinstance(task, Task) and task.pelvis == "free" and task.character in led:
+            raise InvalidValue(
+                f"{task.kind}: pelvis is 'led', which holds the body up; leave pelvis out, or make "
+                "it 'free' or 'assisted'."
+            )
 
 
 def tracked(

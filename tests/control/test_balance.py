@@ -11,7 +11,7 @@ import pytest
 from understudy.character import Character, body
 from understudy.character.footing import sole_of
 from understudy.control import Balance, EngineState, Push, PythonController, balance_law
-from understudy.errors import InvalidValue, UnknownName
+from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.samples import sample
@@ -246,7 +246,7 @@ def test_balancing_for_a_while_leaves_the_clip_alone_before_and_after(person):
 
 def test_nonsense_is_refused(person):
     clip = sample("gesture").trimmed(0.0, 0.5)
-    with pytest.raises(UnknownName, match="left_hip"):
+    with pytest.raises(InvalidValue, match="left_hip"):
         tracked(clip, Character.from_clip(clip, plan="upper"), tasks=[Balance()])
     with pytest.raises(InvalidValue, match="begins at 9 s"):
         tracked(clip, person, tasks=[Balance(span=(9.0, 10.0))])

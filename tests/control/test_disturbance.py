@@ -101,7 +101,18 @@ def test_names_that_do_not_exist_are_refused_with_the_nearest():
             Throw(time=1.0, ball="crate", at=(0, 0, 0)),
             props=(Box(name="crate", position=(1, 0, 1), size=(0.1, 0.1, 0.1)),),
         )
+    with pytest.raises(InvalidValue, match="'crate' is fixed; a push would not move it"):
+        floating(
+            Push(time=0.1, on="crate", impulse=(1, 0, 0)),
+            props=(Box(name="crate", position=(1, 0, 1), size=(0.1, 0.1, 0.1)),),
+        )
     with pytest.raises(InvalidValue, match="give it to `tracked` as a task"):
         floating(Throw(time=1.0), props=(Ball(position=(1, 0, 1)),))
     with pytest.raises(UnknownName, match="'chst'"):
         us.tracked(still(chain(2)), chain(2), tasks=[Throw(time=1.0, at="chst")])
+
+
+def test_a_ball_is_thrown_once():
+    twice = [Throw(time=1.0, at=(0, 0, 1)), Throw(time=2.0, at=(0, 0, 1))]
+    with pytest.raises(InvalidValue, match="'ball' is thrown to arrive at 1 s and at 2 s"):
+        floating(*twice, props=(Ball(position=(2, 0, 1)),))

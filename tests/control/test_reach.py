@@ -14,7 +14,7 @@ from understudy.control import HandOn, Reach
 from understudy.errors import InvalidValue, UnknownName
 from understudy.evaluate import contact_events
 from understudy.motion import rotations as rot
-from understudy.scene import Drum, Table
+from understudy.scene import Drum, Staff, Table
 
 TARGET = (0.42, -0.20, 1.20)
 
@@ -114,8 +114,9 @@ def test_a_moving_target_is_followed(clip, body):
 def test_a_target_out_of_reach_says_how_far(clip, body):
     with pytest.raises(
         InvalidValue,
-        match=r"Reach: at .* s the right wrist would have to be 1\.\d\d m from the shoulder; "
-        r"the arm reaches 0\.\d\d m\. Bring the target 0\.\d\d m nearer",
+        match=r"Reach: at .* s the right wrist would have to be 1\.\d\d m from the shoulder, "
+        r"which is at \(-?0\.\d\d, -0\.\d\d, 1\.\d\d\); the arm reaches 0\.\d\d m\. "
+        r"Bring the target 0\.\d\d m nearer",
     ):
         us.tracked(clip, body, tasks=[Reach(target=(1.5, -0.2, 1.2))])
     with pytest.raises(InvalidValue, match="the arm reaches"):
@@ -133,6 +134,13 @@ def test_a_site_that_does_not_exist_is_refused_with_the_nearest(clip, body):
     )
     with pytest.raises(UnknownName, match="Did you mean 'drum/skin'"):
         us.simulate(performance)
+
+
+def test_a_target_on_the_arm_itself_is_refused(clip, body):
+    for target in ("right_palm", "staff/head"):
+        performance = us.tracked(clip, body, props=[Staff()], tasks=[Reach(target=target)])
+        with pytest.raises(InvalidValue, match="is on the right arm itself"):
+            us.simulate(performance)
 
 
 def test_a_task_without_its_clip_is_refused(clip, body):

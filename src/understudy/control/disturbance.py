@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Any
@@ -68,8 +69,10 @@ class Push(Disturbance):
 
         Raises:
             UnknownName: The scene has no link or prop of that name.
+            InvalidValue: It is fixed to the ground.
         """
-        _body(model, self.on, "Push")
+        if model.body_weldid[_body(model, self.on, "Push")] == 0:
+            raise InvalidValue(f"Push: {self.on!r} is fixed; a push would not move it.")
 
     def controls(self, scene: Scene, model: mujoco.MjModel, times: Array) -> Controls:
         """The force in every step, by how much of the step it covers: the impulse is exact."""
@@ -162,6 +165,23 @@ class Throw(Disturbance):
             # In the step that gives it speed gravity acts already.
             applied[step, dof : dof + 3] = mass * self.velocity(position, model.opt.gravity) / dt
         return Controls(np.zeros((len(times), model.nu)), applied)
+
+
+def check_throws(controllers: Iterable[Any]) -> None:
+    """Refuse two throws of one ball: it is held for the one while it flies for the other.
+
+    Raises:
+        InvalidValue: Names the ball and the times.
+    """
+    thrown: dict[str, float] = {}
+    for throw in controllers:
+        if isinstance(throw, Throw):
+            if throw.ball in thrown:
+                raise InvalidValue(
+                    f"Throw: {throw.ball!r} is thrown to arrive at {thrown[throw.ball]:g} s and at "
+                    f"{throw.time:g} s; a ball is thrown once: add another."
+                )
+            thrown[throw.ball] = throw.time
 
 
 def _body(model: mujoco.MjModel, name: str, who: str) -> int:

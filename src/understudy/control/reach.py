@@ -120,11 +120,25 @@ class Reach(Task):
             raise InvalidValue(f"{self.kind} needs the clip; give it to `tracked` as a task.")
         if isinstance(self.target, str):
             site = site_number(model, self.target, self.kind)
+            self._check_other(scene, model, site)
             if model.body_weldid[model.site_bodyid[site]] == 0:
                 data = mujoco.MjData(model)
                 mujoco.mj_kinematics(model, data)
                 body = scene.characters[self.character]
                 self._check_reach(data.site_xpos[site], self.reference, body)
+
+    def _check_other(self, scene: Scene, model: mujoco.MjModel, site: int) -> None:
+        """Refuse a target that hangs on the arm that is to reach it."""
+        body, part = scene.characters[self.character], scene.parts[self.character]
+        arm = {part.bodies[body.index(joint)] for joint in self.joints}
+        on = int(model.site_bodyid[site])
+        while on > 0:
+            if on in arm:
+                raise InvalidValue(
+                    f"{self.kind}: {self.target!r} is on the {self.hand} arm itself; name a place "
+                    "that does not move with it."
+                )
+            on = int(model.body_parentid[on])
 
     def feedback(self, scene: Scene, model: mujoco.MjModel) -> tuple[Any, Array, Array]:
         """The law, with the clip's arm at every step, and what it wanted last."""
@@ -178,8 +192,9 @@ class Reach(Task):
         if away[worst] > reach:
             raise InvalidValue(
                 f"{self.kind}: at {times[inside[worst]]:.2f} s the {self.hand} wrist would have to "
-                f"be {away[worst]:.2f} m from the shoulder; the arm reaches {reach:.2f} m. Bring "
-                f"the target {away[worst] - reach:.2f} m nearer, or change the span."
+                f"be {away[worst]:.2f} m from the shoulder, which is at {_place(shoulder[worst])}; "
+                f"the arm reaches {reach:.2f} m. Bring the target {away[worst] - reach:.2f} m "
+                "nearer to the shoulder, or change the span."
             )
 
 
@@ -224,6 +239,11 @@ class HandOn(Reach):
         """The hand's half thickness out of the surface."""
         half = _HALF_HAND * body.height if self.thickness is None else self.thickness
         return half * np.array(self.normal)
+
+
+def _place(point: Array) -> str:
+    """A point as people write it [m]."""
+    return "(" + ", ".join(f"{value:.2f}" for value in point) + ")"
 
 
 def _palm_of(body: Character, hand: str) -> Array:

@@ -102,6 +102,11 @@ class Task:
         """
         known = [link.joint for link in body.links]
         for joint in self.joints:
+            if joint not in known and body.plan.startswith("upper"):
+                raise InvalidValue(
+                    f"{self.kind} needs {joint!r}; {body.name!r} was made with plan "
+                    f"{body.plan!r}, which has no legs: use 'full'."
+                )
             if joint not in known:
                 raise UnknownName(f"joint for {self.kind} in {body.name!r}", joint, known)
 
