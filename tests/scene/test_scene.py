@@ -64,3 +64,19 @@ def test_scenes_that_make_no_sense_are_refused():
         Ground(friction=-1.0)
     with pytest.raises(InvalidValue, match="gravity"):
         Scene(characters=(chain(1),), gravity=float("nan"))
+
+
+@pytest.mark.parametrize(
+    ("position", "inside"), [((1.5, 0.0, -0.1), "ground"), ((1.0, 0.0, 0.75), "table")]
+)
+def test_a_loose_prop_that_begins_inside_something_is_refused(position, inside):
+    import understudy as us
+    from understudy.character import adult_man
+    from understudy.scene import Ball, Table
+
+    clip = us.sample("gesture").trimmed(0.0, 0.2)
+    props = [Ball(position=position), Table(position=(1.0, 0.0), size=(0.5, 0.5))]
+    with pytest.raises(InvalidValue, match=f"'ball' begins .* mm inside '{inside}'"):
+        us.track(clip, adult_man(), props=props, contacts=[("ball", "table")])
+    high = [Ball(position=(*position[:2], 1.2)), props[1]]
+    us.track(clip, adult_man(), props=high, contacts=[("ball", "table")])

@@ -174,6 +174,9 @@ def footing(clip: Clip, character: Character, *, during: np.ndarray | None = Non
     return Footing(ankles=ankles, feet=feet, toes=toes, soles=middles, captured=captured)
 
 
+_TRAVEL = 0.3  # A pelvis that moves farther than this along the ground [m] does not just sway.
+
+
 def balanced(
     clip: Clip, character: Character, feet: Footing, *, during: np.ndarray | None = None
 ) -> Clip:
@@ -224,8 +227,11 @@ def balanced(
         if f"{side}_ball" in clip.skeleton.names:
             local[:, character.index(f"{side}_ball")] = feet.toes[k]
     stood = "where the clip stands" if feet.captured else "in a natural stance"
-    note = f"Balanced: both feet flat {stood}, the center of mass over them."
-    return replace(clip, rotations=local, root_positions=path, notes=(*clip.notes, note))
+    notes = [f"Balanced: both feet flat {stood}, the center of mass over them."]
+    travel = float(np.ptp(clip.root_positions[:, :2], axis=0).max())
+    if travel > _TRAVEL:
+        notes.append(f"The clip travels {travel:.1f} m; balancing, the body stays on the spot.")
+    return replace(clip, rotations=local, root_positions=path, notes=(*clip.notes, *notes))
 
 
 # -- details -----------------------------------------------------------------------------------

@@ -62,7 +62,9 @@ def owners_in(scene: Scene, model: mujoco.MjModel) -> Owners:
     )
 
     def named(kind: Any, number: int) -> str:
-        return _prop_of(mujoco.mj_id2name(model, kind, number) or "", props)
+        name = _prop_of(mujoco.mj_id2name(model, kind, number) or "", props)
+        # Steps are ground: "ground/step1".
+        return "ground" if name.startswith("ground/") else name
 
     limbs = {body for part in scene.parts for body in part.bodies}
     bodies = [WORLD]

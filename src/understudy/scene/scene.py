@@ -168,6 +168,29 @@ class Scene:
         except ValueError as error:
             raise InvalidValue(f"The engine refuses this scene: {error}") from error
 
+    def check_start(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Refuse a first state in which a loose prop is deep inside something it collides with.
+
+        Args:
+            model: The scene's model.
+            data: Its first state, with contacts computed.
+
+        Raises:
+            InvalidValue: Names both and how deep.
+        """
+        loose = touching.loose_bodies(model, self.props)
+        for contact in data.contact[: data.ncon] if loose else ():
+            pair = [int(model.geom_bodyid[geom]) for geom in contact.geom]
+            if contact.dist < -touching.DEEP and loose.intersection(pair):
+                first = next(body for body in pair if body in loose)
+                other = pair[1 - pair.index(first)]
+                geom = int(contact.geom[pair.index(other)])
+                within = touching.name_of(model, other, geom)
+                raise InvalidValue(
+                    f"{touching.name_of(model, first, -1)!r} begins {-1e3 * contact.dist:.0f} mm "
+                    f"inside {within!r}; put it where it touches nothing."
+                )
+
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """Where each character lives in the model's arrays."""

@@ -28,6 +28,7 @@ from understudy.scene import props
 _PRESSING_SPEED = 1.0
 # Part of the needed force a contact gives at once, and at a depth of 1 mm.
 _IMPEDANCE = (0.99, 0.999, 0.001, 0.5, 2.0)
+DEEP = 0.02  # a loose prop that begins deeper than this in something is there by mistake [m]
 _PLATE = 0.002  # half thickness of a palm's plates [m]
 # Along a hand, the plates' ends; across it, their half width over the hand's.
 _KNUCKLES, _WIDTH = (0.0, 0.30, 0.97), 0.8
@@ -265,3 +266,22 @@ def _pair(spec: mujoco.MjSpec, a: _Side, b: _Side, plates: Mapping[str, tuple[st
                 solimp=_IMPEDANCE,
                 margin=_PRESSING_SPEED * spec.option.timestep,
             )
+
+
+def loose_bodies(model: mujoco.MjModel, things: Sequence[Any]) -> set[int]:
+    """Body numbers of the props that have a free joint."""
+    out = set()
+    for prop in things:
+        body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, getattr(prop, "name", ""))
+        joint = int(model.body_jntadr[body]) if body > 0 else -1
+        if joint >= 0 and model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE:
+            out.add(body)
+    return out
+
+
+def name_of(model: mujoco.MjModel, body: int, geom: int) -> str:
+    """Name of a body, or of a geom of the world."""
+    kinds = mujoco.mjtObj
+    if body == 0:
+        return (mujoco.mj_id2name(model, kinds.mjOBJ_GEOM, geom) or "world").partition("/")[0]
+    return mujoco.mj_id2name(model, kinds.mjOBJ_BODY, body) or f"body {body}"

@@ -53,7 +53,11 @@ _BAD = (
 
 
 def prepared(performance: Performance) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """The model with every controller's gains, and the first state."""
+    """The model with every controller's gains, and the first state.
+
+    Raises:
+        InvalidValue: A loose prop begins inside something; see `Scene.check_start`.
+    """
     model = copy.copy(performance.scene.model)
     for controller in performance.controllers:
         controller.configure(performance.scene, model)
@@ -65,6 +69,7 @@ def prepared(performance: Performance) -> tuple[mujoco.MjModel, mujoco.MjData]:
         controller.start(performance.scene, data)
     with quiet_engine():
         mujoco.mj_forward(model, data)
+    performance.scene.check_start(model, data)
     return model, data
 
 
