@@ -92,3 +92,9 @@ def test_real_clips_go_over_into_each_other_without_haste(clips, first, second):
         assert peak(out) <= 1.3 * max(peak(a), peak(b))
         turns = [rot.angle_between(c.rotations[1:], c.rotations[:-1]).max() for c in (out, a, b)]
         assert turns[0] < max(turns[1:]) + np.radians(3.0)
+
+
+def test_a_clip_that_lasts_just_one_blend_has_its_transition():
+    short, other = samples.sample("gesture").trimmed(0.0, 0.59), samples.sample("clapping")
+    (found,) = transitions(short, other, count=1, blend=short.duration)
+    assert found.time_a == 0.0

@@ -83,7 +83,9 @@ def transitions(
     rate = min(COMPARED, np.sqrt(MOST_PAIRS / (a.duration * b.duration + 1e-9)))
     # At least three moments of every blend, whatever the budget.
     rate = max(rate, 2.0 / blend)
-    cost = _costs(_features(a, rate), _features(b, rate), round(blend * rate) + 1)
+    seen = _features(a, rate), _features(b, rate)
+    # A clip of just one blend has a moment less where the rate does not divide the blend.
+    cost = _costs(*seen, min(round(blend * rate) + 1, *map(len, seen)))
     early = int(np.ceil(keep * rate - 1e-6))
     cost[:early] = np.inf
     cost[:, max(cost.shape[1] - early, 0) :] = np.inf
