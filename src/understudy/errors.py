@@ -9,6 +9,7 @@ from os import PathLike
 from typing import Any
 
 _LISTED = 40  # names in a message
+_PART = 3  # letters at least that are part of a name
 
 
 class UnderstudyError(Exception):
@@ -36,7 +37,9 @@ class UnknownName(UnderstudyError, LookupError):
     def __init__(self, kind: str, name: str, valid: Iterable[str]):
         self.name = name
         self.valid = tuple(valid)
-        near = difflib.get_close_matches(name, self.valid, n=1, cutoff=0.5)
+        # A part of a name, such as "man" of "adult_man", says more than likeness does.
+        whole = [one for one in self.valid if len(name) >= _PART and name in one]
+        near = difflib.get_close_matches(name, whole or self.valid, n=1, cutoff=0 if whole else 0.5)
         hint = f" Did you mean {near[0]!r}?" if near else ""
         listed = ", ".join(self.valid[:_LISTED]) or "none"
         if len(self.valid) > _LISTED:
