@@ -49,6 +49,7 @@ def test_files_table_and_contacts_of_one_edit(stroke, tmp_path, capsys):
         assert str(folder / name) in shown
     saved = json.loads((folder / "stroke.json").read_text(encoding="utf-8"))
     assert saved["contacts"][0]["between"] == ["right_hand", "drum"]
+    assert "<title>a stroke" in (folder / "stroke.html").read_text(encoding="utf-8")
 
 
 def test_python_makes_the_same_take(stroke, tmp_path):
@@ -65,6 +66,7 @@ def test_a_second_character_has_files_of_its_own(tmp_path, capfd):
     folder = tmp_path / "out"
     assert main(["perform", str(path), "--out", str(folder), "--json"]) == 0
     (edit,) = json.loads(capfd.readouterr().out)["edits"]
+    assert "<title>two" in (folder / "two.html").read_text(encoding="utf-8")  # it has no title
     assert {"sim.bvh", "sim.glb", "b_sim.bvh", "b_sim.glb", "take.npz"} <= set(edit["files"])
     assert edit["name"] == "two"
     assert [one["prefix"] for one in edit["certificate"]["characters"]] == ["", "b/"]
@@ -83,6 +85,16 @@ def test_a_mistake_in_any_edit_stops_all_before_the_first(stroke, tmp_path, caps
     assert said.err.count("\n") == 1
     assert f"{bad}:6: No link or prop for Push named 'chst'. Did you mean 'chest'?" in said.err
     assert not folder.exists()
+
+
+def test_a_prop_that_begins_in_a_body_is_told_with_its_line(tmp_path, capsys, monkeypatch):
+    bad = tmp_path / "bad.toml"
+    bad.write_text(
+        f'contacts = [["chest", "ball"]]\n{WAVE}[[prop]]\nkind = "ball"\nposition = [0, 0, 1.25]\n'
+    )
+    monkeypatch.setattr(us, "simulate", lambda *_, **__: pytest.fail("it was simulated"))
+    assert main(["perform", str(bad), "--out", str(tmp_path / "out")]) == 2
+    assert f"{bad}:5: 'ball' begins" in capsys.readouterr().err
 
 
 def test_a_mistake_as_json(tmp_path, capfd):

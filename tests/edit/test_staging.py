@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -185,12 +186,16 @@ def test_who_is_hit_gives_way(said):
     text += '[[push]]\ntime = 0.2\non = "staff"\nimpulse = [1, 0, 0]\n'
     text += '[[push]]\ntime = 0.3\non = "ball"\nimpulse = [1, 0, 0]\n'
     text += '[[throw]]\ntime = 0.4\nflight = 0.1\nat = "b/head"\n'
-    text += "[[throw]]\ntime = 0.5\nflight = 0.1\nat = [0, 0, 1]\n"
+    text += BALL.replace("[2, 0, 1]", "[2, 1, 1]\nname = 'second'")
+    text += "[[throw]]\ntime = 0.5\nflight = 0.1\nat = [0, 0, 1]\nball = 'second'\n"
     text += "[give_way]\nstrength = 0.3\nhits = [0.05]\n"
     made = said(text).performance()
     one, two = (c for c in made.controllers if isinstance(c, GiveWay))
-    assert (one.character, one.hits, one.strength) == (0, (0.05, 0.1, 0.5), 0.3)
-    assert (two.character, two.hits, two.strength) == (1, (0.05, 0.2, 0.4, 0.5), 0.3)
+    assert (one.character, one.hits, one.strength) == (0, (0.05, 0.1), 0.3)
+    assert (two.character, two.hits, two.strength) == (1, (0.05, 0.2), 0.3)
+    # A ball hits when it touches, at about the time of the throw.
+    assert one.touches == (("second", 0.5),)
+    assert two.touches == (("ball", 0.4), ("second", 0.5))
     assert made.controllers[-2:] == (one, two)
 
 
@@ -223,7 +228,8 @@ def test_the_contacts_of_all_are_allowed(said):
         (WAVE.replace("sample:gesture", r"a\nb.bvh"), 2, "no such file"),
         (WAVE.replace("sample:gesture", r"a\u0000b.bvh"), 2, "null byte"),
         (WAVE.replace("sample:gesture", ""), 2, "folder"),
-        (WAVE.replace("0.8", "8"), 3, "Cannot trim"),
+        (WAVE.replace("[0.8, 1.2]", "[8, 9]"), 3, "Cannot trim"),
+        (WAVE.replace("1.2", "0.801"), 3, r"trim is \[0\.8, 0\.801\]; that is one frame"),
         (WAVE + "unit = 'cm'\n", 4, "sample"),
         (WAVE + "speed = 0\n", 4, r"0\.001 to 1000\.$"),
         (WAVE + "loops = 3\n", 4, "write segments with a blend"),
@@ -268,12 +274,31 @@ def test_the_contacts_of_all_are_allowed(said):
             "less than a frame apart",
         ),
         (WAVE + "[[prop]]\nkind='staff'\nheld_by='right_hnd'\n", 6, "Did you mean 'right_hand'"),
-        (WAVE + BALL + BALL, 7, "A prop is named 'ball'"),
+        (WAVE + BALL + BALL, 7, "Two props are named 'ball'; give one another name"),
+        (WAVE + BALL + BALL + "name = 'ball'\n", 10, "Two props are named 'ball'"),
         (WAVE + "[[push]]\ntime=0.1\non='chst'\nimpulse=[1, 0, 0]\n", 6, "Did you mean 'chest'"),
         (WAVE + "[[push]]\ntime=7\nimpulse=[1, 0, 0]\n", 5, "lasts 0.4 s"),
-        (WAVE + BALL + "[[throw]]\ntime=0.2\nflight=0.1\nat='b/head'\n", 10, "link to throw at"),
+        (WAVE + BALL + "[[throw]]\ntime=0.2\nflight=0.1\nat='b/head'\n", 10, "only one character"),
+        (WAVE + BALL + "[[throw]]\ntime=0.2\nflight=0.1\nat='had'\n", 10, "link to throw at"),
         (WAVE + "[[throw]]\ntime=0.2\nflight=0.1\n", 4, "named 'ball'"),
         (WAVE + "[give_way]\ngive=['elbow']\n", 5, "'elbow'"),
+        (WAVE + "[give_way]\n", 4, "Nothing hits anybody"),
+        (
+            WAVE + BALL + "[[push]]\ntime=0.1\non='ball'\nimpulse=[1, 0, 0]\n[give_way]\n",
+            11,
+            "Nothing hits anybody",
+        ),
+        (WAVE + "[give_way]\nhits=[0.1, 0.4]\n", 5, r"hits has 0\.4 s; .* lasts 0\.4 s"),
+        (WAVE + "[[character.task]]\nkind='give_way'\nhits=[2]\n", 6, r"hits has 2 s"),
+        (WAVE + "[[character.task]]\nkind='give_way'\n", 4, r"needs the times .* \[1\.2\]"),
+        ("contacts=[['right_hand', 'b/right_hand']]\n" + WAVE, 1, "only one .* 'right_hand'"),
+        (WAVE + "[[prop]]\nkind='staff'\nheld_by='b/left_hand'\n", 6, "only one character"),
+        (
+            STAND.format(x=0) + STAND.format(x=2) + "[[push]]\ntime=0.1\non='d/head'\n"
+            "impulse=[1, 0, 0]\n",
+            11,
+            "'d/head' is of another character, and there are only 2",
+        ),
         (WAVE + WAVE, 4, "both begin at"),
         (
             STAND.format(x=0) + STAND.format(x=5) + "[[meet]]\ntime=0.1\n[[meet]]\ntime=0.2\n",
@@ -288,3 +313,62 @@ def test_what_cannot_be_is_told_with_its_line(said, text, line, words):
     message = str(caught.value)
     assert "\n" not in message
     assert message.startswith(f"edit.toml:{line}: "), message
+
+
+ROW = '[[character.segment]]\nclip = "sample:{clip}"\ntrim = [{start}, {end}]\n{more}'
+
+
+def row(*segments: tuple[str, float, float, str]) -> str:
+    """A character whose motion is these clips in a row."""
+    return "[[character]]\n" + "".join(
+        ROW.format(clip=clip, start=start, end=end, more=more)
+        for clip, start, end, more in segments
+    )
+
+
+def blends(clip: us.Clip) -> list[tuple[float, float]]:
+    """When each transition of a motion begins and ends [s], by its notes."""
+    found = [re.search(r"at (\S+) s, blended over (\S+) s", note) for note in clip.notes]
+    return [(float(m[1]), float(m[1]) + float(m[2])) for m in found if m]
+
+
+@pytest.mark.parametrize("middle", [1.15, 1.38, 2.85, 4.0])
+def test_a_short_segment_between_two_is_seen(said, middle):
+    text = row(("gesture", 0, 3, ""), ("walk", 0, middle, ""), ("clapping", 0, 3, ""))
+    (_, end), (begin, _) = blends(reference(said(text).performance()))
+    assert begin >= end + 0.05
+
+
+def test_a_segment_without_room_for_itself_has_its_blends_end_to_end(said):
+    text = row(("gesture", 0, 3, ""), ("walk", 0, 1.05, ""), ("clapping", 0, 3, ""))
+    (_, end), (begin, _) = blends(reference(said(text).performance()))
+    assert begin == pytest.approx(end, abs=0.06)
+    assert begin >= end - 1e-6
+
+
+@pytest.mark.parametrize(
+    ("second", "third", "line", "words"),
+    [
+        ("", "", 8, r"Of 'walk', the segment before, 0\.\d+ s are left .* blend is 0\.5 s"),
+        (
+            "time = 1\n",
+            "time = 1.4\nblend = 0.2\n",
+            12,
+            "time is 1.4 s; .* lie in 1.500 to 1.700 s",
+        ),
+        ("time = 1\n", "blend = 2\n", 12, "blend is 2 s. Use more of that clip"),
+        ("time = 1\n", "start = 0.2\nblend = 0.45\n", 13, "Use more of that clip"),
+    ],
+)
+def test_a_segment_is_not_skipped(said, second, third, line, words):
+    text = row(("gesture", 0, 3, ""), ("walk", 0, 0.9, second), ("clapping", 0, 3, third))
+    with pytest.raises(EditError, match=words) as caught:
+        said(text).performance()
+    assert caught.value.line == line
+
+
+def test_a_transition_may_begin_where_the_last_one_ends(said):
+    text = row(
+        ("gesture", 0, 3, ""), ("walk", 0, 2, "time = 1\n"), ("clapping", 0, 3, "time = 1.5\n")
+    )
+    assert blends(reference(said(text).performance())) == [(1.0, 1.5), (1.5, 2.0)]

@@ -19,6 +19,7 @@ from understudy.errors import ControllerFailed, Diverged, InvalidValue
 
 if TYPE_CHECKING:
     from understudy.edit import Edit
+    from understudy.performance import Performance
     from understudy.take import Take
 
 EXAMPLE = """\
@@ -145,7 +146,7 @@ def run(options: Options) -> Outcome:
         for target in job.targets:
             spared(target, job.keep)
     for job in jobs[1:]:
-        job.edit.performance()  # the first is about to be made anyway
+        made(job.edit)  # the first is about to be made anyway
     rows: list[Row] = []
     try:
         for job in jobs:
@@ -188,6 +189,25 @@ def jobs_for(options: Options) -> list[Job]:
     ]
 
 
+def made(edit: Edit) -> Performance:
+    """What an edit describes, ready to be simulated.
+
+    Raises:
+        EditError: As `Edit.performance`; or a loose prop begins inside something.
+    """
+    from understudy.simulate import prepared
+
+    performance = edit.performance()
+    try:
+        prepared(performance)
+    except InvalidValue as error:
+        names = [repr(getattr(prop, "name", None)) for prop in edit.prop]
+        said = str(error)
+        number = next((k for k, name in enumerate(names) if said.startswith(name)), None)
+        raise edit.source.error(() if number is None else ("prop", number), said) from error
+    return performance
+
+
 def attempted(job: Job) -> Row:
     """`performed`, with a simulation that ended early turned into the row's error.
 
@@ -212,7 +232,7 @@ def performed(job: Job) -> Row:
     from understudy.evaluate import certificate
 
     started = time.monotonic()
-    take = us.simulate(job.edit.performance(), progress=True)
+    take = us.simulate(made(job.edit), progress=True)
     found = certificate(take)
     with staged(job.folder, job.name, keep=job.keep) as (folder, files):
         write_all(take, folder, job)
@@ -238,7 +258,8 @@ def write_all(take: Take, folder: Path, job: Job) -> None:
     for k, stem in enumerate(job.motions):
         us.write(take, *(folder / f"{stem}{kind}" for kind in (".bvh", ".glb")), character=k)
     us.write(take, *(folder / f"{job.name}{kind}" for kind in (".take.npz", *job.kinds)))
-    us.write_report(take, folder / f"{job.name}.html")
+    title = job.edit.title or job.edit.source.path.stem
+    us.write_report(take, folder / f"{job.name}.html", title=title)
 
 
 # -- what is said ------------------------------------------------------------------------------

@@ -49,6 +49,11 @@ class Cut:
     def __post_init__(self) -> None:
         if not 1 <= self.loops <= MOST_LOOPS:
             raise InvalidValue(f"loops is {self.loops}; it must lie in 1 to {MOST_LOOPS}.")
+        if self.trim is not None and not self.trim[0] < self.trim[1]:
+            raise InvalidValue(
+                f"trim is {list(self.trim)}; it must be a start and a later end, as [1.0, 3.5], or "
+                "[1.0, inf] up to the clip's end."
+            )
 
     @property
     def reading(self) -> dict[str, object]:
@@ -259,6 +264,18 @@ class Edit:
             raise InvalidValue(f"duration is {self.duration:g} s; it must be positive.")
         for k, meeting in enumerate(self.meet):
             self._check_meeting(k, meeting)
+        thrown = [throw.ball for throw in self.throw]
+        for k, ball in enumerate(thrown):
+            if ball in thrown[:k]:
+                again = f"{ball!r} is thrown twice; a ball is thrown once: add another [[prop]]."
+                raise self.source.error(("throw", k, "ball"), again)
+        names = [getattr(prop, "name", "") for prop in self.prop]
+        for k, name in enumerate(names):
+            if name in names[:k]:
+                raise self.source.error(
+                    ("prop", k, "name"),
+                    f'Two props are named {name!r}; give one another name, as name = "{name}_2".',
+                )
 
     def _check_meeting(self, number: int, meeting: Meeting) -> None:
         """Refuse characters that are not there, or that do not keep time with each other."""

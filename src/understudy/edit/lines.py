@@ -7,6 +7,7 @@ a header and the end of a string are all there is to find.
 from __future__ import annotations
 
 import tomllib
+from dataclasses import dataclass
 
 Place = tuple[str | int, ...]
 """Where a value is in what was read: keys, and numbers of entries of a list from 0."""
@@ -24,6 +25,33 @@ def lines_of(text: str) -> dict[Place, int]:
     return _Scanner(text.replace("\r\n", "\n")).lines
 
 
+def named(place: Place) -> str:
+    """A table as the file writes it: "[[character.task]]", or a key as "'radius' in [[prop]]"."""
+    words = ".".join(str(part) for part in place if isinstance(part, str))
+    return f"[[{words}]]" if place and isinstance(place[-1], int) else f"[{words}]"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Twice:
+    """A key, or a table in single brackets, that a text has twice.
+
+    Attributes:
+        place: Where it is.
+        table: Whether it is a table's header.
+        first, again: The two lines.
+    """
+
+    place: Place
+    table: bool
+    first: int
+    again: int
+
+
+def twice_in(text: str) -> Twice | None:
+    """The first thing that is there twice in a text that is valid TOML but for that."""
+    return _Scanner(text).twice
+
+
 class _Scanner:
     """Goes through a text once; `at` is where it is."""
 
@@ -31,6 +59,8 @@ class _Scanner:
         self.text, self.at, self.line = text, 0, 1
         self.lines: dict[Place, int] = {}
         self.tables: dict[Place, int] = {}  # how many tables a [[list]] of them has so far
+        self.opened: set[Place] = set()  # by a [header]
+        self.twice: Twice | None = None
         base: Place = ()
         while self._to_next(_SPACE):
             if self._char() == "[":
@@ -71,12 +101,16 @@ class _Scanner:
             if place in self.tables:
                 place = (*place, self.tables[place] - 1)
         place = (*place, last)
+        if not many and (place in self.opened or place in self.tables):
+            self._note(place, line, table=True)
         self.lines.setdefault(place, line)
         if many:
             number = self.tables.get(place, 0)
             self.tables[place] = number + 1
             place = (*place, number)
             self.lines[place] = line
+        else:
+            self.opened.add(place)
         return place
 
     def _key(self) -> list[str]:
@@ -101,12 +135,22 @@ class _Scanner:
     def _entry(self, base: Place) -> None:
         """A key, "=" and its value."""
         line = self.line
-        for part in self._key():
+        *above, last = self._key()
+        for part in above:
             base = (*base, part)
             self.lines.setdefault(base, line)
+        base = (*base, last)
+        if base in self.lines:
+            self._note(base, line, table=False)
+        self.lines.setdefault(base, line)
         self._take()  # "="
         self._to_next(_BLANK)
         self._value(base)
+
+    def _note(self, place: Place, line: int, *, table: bool) -> None:
+        """Remember the first thing that is there twice."""
+        found = Twice(place=place, table=table, first=self.lines[place], again=line)
+        self.twice = self.twice or found
 
     def _value(self, place: Place) -> None:
         char = self._char()

@@ -6,6 +6,8 @@ import math
 import re
 from dataclasses import replace
 
+import numpy as np
+
 from understudy.character import Character, bodies, read_mapping, retargeted
 from understudy.edit.edit import OWN, Cut, Edit, Performer, Segment
 from understudy.edit.lines import Place
@@ -24,6 +26,9 @@ NEAR = 1.0
 """A transition whose time is not said begins at most this long before the last moment it can, and
 leads at most this far into the other clip [s]; in short clips a third of what there is, so that a
 clip does not go over into itself where it is anyway."""
+ALONE = 0.1
+"""A segment plays by itself for at least this long between two transitions that are found, where
+there is room [s]."""
 LONGEST = 3600.0
 """Motions longer than this are a mistake [s]."""
 
@@ -101,6 +106,10 @@ def _cut(clip: Clip, cut: Cut, source: Source, place: Place) -> Clip:
         with source.blaming((*place, "trim")):
             start, end = cut.trim
             clip = trimmed(clip, start, None if math.isinf(end) else end)
+            if clip.frames < 2:
+                raise InvalidValue(
+                    f"trim is {list(cut.trim)}; that is one frame, and a motion needs two or more."
+                )
     if cut.mirrored:
         with source.blaming((*place, "mirrored")):
             clip = mirrored(clip)
@@ -135,34 +144,90 @@ def _joined(said: Performer, source: Source, place: Place) -> tuple[Clip, Charac
         for k, clip in enumerate(clips):
             with source.blaming((*place, "segment", k, "clip")):
                 clips[k] = retargeted(clip.repaired(), body)
-    whole = clips[0]
+    whole, free = clips[0], 0.0
     for k, (clip, segment) in enumerate(zip(clips[1:], said.segment[1:], strict=True), 1):
         with source.blaming((*place, "segment", k)):
-            whole = _appended(whole, clip, segment)
+            following = said.segment[k + 1] if k + 1 < len(clips) else None
+            whole, free = _appended(
+                whole, clip, segment, free=free, before=clips[k - 1].name, following=following
+            )
     return whole, body
 
 
-def _appended(whole: Clip, clip: Clip, segment: Segment) -> Clip:
-    """A motion that goes over into another."""
+def _appended(
+    whole: Clip,
+    clip: Clip,
+    segment: Segment,
+    *,
+    free: float,
+    before: str,
+    following: Segment | None,
+) -> tuple[Clip, float]:
+    """A motion that goes over into another, and when that transition has ended [s].
+
+    `free` is when the one before has [s]: no transition may begin earlier, or the segment `before`
+    would never be seen.
+    """
     if segment.blend == 0.0:
-        return concatenated([whole, clip])
+        return concatenated([whole, clip]), whole.duration
+    last = whole.duration - segment.blend
+    _check_room(whole, segment, free=free, before=before)
     time, start = segment.time, segment.start
     if time is None and start is None:
-        time, start = _found(whole, clip, segment.blend)
+        left = _left_for(following)
+        time, start = _found(whole, clip, segment.blend, free=free, left=left)
     elif time is None:
-        time = max(whole.duration - segment.blend, 0.0)
+        time = max(last, 0.0)
+    time, start = time or 0.0, start or 0.0
     try:
-        return spliced(whole, clip, at=time or 0.0, blend=segment.blend, start=start or 0.0)
+        joined = spliced(whole, clip, at=time, blend=segment.blend, start=start)
     except InvalidValue as error:  # what is "at" there is "time" in the file
         raise InvalidValue(re.sub(r"^at is", "time is", str(error))) from None
+    return joined, time + segment.blend
 
 
-def _found(whole: Clip, clip: Clip, blend: float) -> tuple[float, float]:
-    """The best times to go over near the end of a motion, into the beginning of another [s]."""
-    late, early = (min(NEAR, max(c.duration - blend, 0.0) / 3.0) for c in (whole, clip))
-    ending = trimmed(whole, max(whole.duration - blend - late, 0.0))
-    beginning = trimmed(clip, 0.0, min(blend + early, clip.duration))
+def _check_room(whole: Clip, segment: Segment, *, free: float, before: str) -> None:
+    """Refuse a transition out of a segment before the one into it has ended."""
+    slack, last = 0.5 / whole.rate, whole.duration - segment.blend
+    if free > 0.0 and last < free - slack:
+        raise InvalidValue(
+            f"Of {before!r}, the segment before, {max(whole.duration - free, 0.0):.2f} s are left "
+            f"after the transition into it; blend is {segment.blend:g} s. Use more of that clip, "
+            "or shorter blends."
+        )
+    if segment.time is not None and segment.time < free - slack:
+        raise InvalidValue(
+            f"time is {segment.time:g} s; the transition into the segment before lasts until "
+            f"{free:.3f} s, so it must lie in {free:.3f} to {last:.3f} s."
+        )
+
+
+def _left_for(following: Segment | None) -> float:
+    """How much of a segment a transition that is to be found after it needs [s]."""
+    if following is None or following.time is not None or following.blend == 0.0:
+        return 0.0
+    return following.blend + ALONE
+
+
+def _found(
+    whole: Clip, clip: Clip, blend: float, *, free: float, left: float
+) -> tuple[float, float]:
+    """The best times to go over near the end of a motion, into the beginning of another [s].
+
+    The first lies at `free` [s] or after it; after the blend, `left` [s] of the other clip remain,
+    where it is that long.
+    """
+    last = max(whole.duration - blend, 0.0)
+    earliest = free + ALONE if free > 0.0 else 0.0
+    begin = min(max(last - min(NEAR, last / 3.0), earliest), last)
+    begin = np.floor(begin * whole.rate + 1e-6) / whole.rate
+    spare = max(clip.duration - blend, 0.0)
+    early = min(NEAR, spare / 3.0, max(spare - left, 0.0))
+    ending = trimmed(whole, float(begin))
+    stop = np.ceil((blend + early) * clip.rate - 1e-6) / clip.rate
+    beginning = trimmed(clip, 0.0, min(float(stop), clip.duration))
     # Two motions that are the same one would be searched for jumps back.
     beginning = replace(beginning, name=f"{beginning.name}, its beginning")
     best = transitions(ending, beginning, count=1, blend=blend)[0]
-    return whole.duration - ending.duration + best.time_a, best.time_b
+    time = whole.duration - ending.duration + best.time_a
+    return min(max(time, free), last), best.time_b

@@ -11,7 +11,7 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-from understudy.edit.lines import Place, lines_of
+from understudy.edit.lines import Place, lines_of, named, twice_in
 from understudy.errors import ControllerFailed, Diverged, UnderstudyError, UnknownName, expect
 
 # An edit file is written by a person; more bytes than this are something else.
@@ -67,7 +67,19 @@ class Source:
             text = str(error)
             for said, meant in _IN_THE_FILE:
                 text = re.sub(said, meant, text)
+            if isinstance(error, UnknownName):
+                text = self._of_nobody(error.name) or text
             raise self.error(self._key_of(error, place), text) from error
+
+    def _of_nobody(self, name: str) -> str:
+        """What to say of a name such as "c/chest" that is of a character who is not there."""
+        count = len(self.data.get("character", ()))
+        prefix = re.match(r"([b-x])/", name)
+        if prefix is None or ord(prefix[1]) - ord("a") < count:
+            return ""
+        there = "is only one character" if count == 1 else f"are only {count} characters"
+        own = "" if count > 1 else f" Its own names have no prefix: {name[2:]!r}."
+        return f"{name!r} is of another character, and there {there} in this file.{own}"
 
     def at(self, place: Place) -> Any:
         """What the file has at a place; None where it has nothing."""
@@ -158,12 +170,38 @@ def parsed(text: str, path: str | PathLike[str]) -> Source:
     return made
 
 
+# How the reader begins what it says of a key, or of a table, that is there already.
+_AGAIN = ("Cannot overwrite", "Cannot declare", "Duplicate")
+
+
+def _told_twice(text: str, line: int | None, column: int) -> tuple[str, int] | None:
+    """What a text says twice, up to where the reader stopped, in words; and the second's line."""
+    read = text.replace("\r\n", "\n")
+    if line is not None:
+        lines = read.split("\n")[:line]
+        read = "\n".join((*lines[:-1], lines[-1][:column]))
+    twice = twice_in(read)
+    if twice is None:
+        return None
+    where = f"here and on line {twice.first}"
+    if twice.table:
+        several = "of what there can be several, each stands in double brackets, as [[prop]]"
+        return f"{named(twice.place)} is there twice, {where}; keep one: {several}.", twice.again
+    *around, key = twice.place
+    inside = f" in {named(tuple(around))}" if around else ""
+    return f"{str(key)!r} is there twice{inside}, {where}; keep one.", twice.again
+
+
 def _refused(path: str | PathLike[str], text: str, error: ValueError) -> EditError:
     """What is wrong with a text that is not TOML."""
     found = re.fullmatch(r"(.*?) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error))
     if found is None:
         return EditError(path, f"is not TOML: {error}.")
     problem, line, column = found.groups()
+    if problem.startswith(_AGAIN):
+        told = _told_twice(text, int(line) if line else None, int(column or 0))
+        if told is not None:
+            return EditError(path, f"is not TOML: {told[0]}", told[1])
     where = f" at column {column}" if column else " at the end"
     number = int(line) if line else text.count("\n", 0, max(len(text) - 1, 0)) + 1
     return EditError(path, f"is not TOML: {problem}{where}.", number)

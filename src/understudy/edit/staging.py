@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 
 from understudy.character import Character
-from understudy.control import Disturbance, Push, Task, Throw, Tracking
+from understudy.control import Disturbance, GiveWay, Push, Task, Throw, Tracking
 from understudy.control.task import check_overlaps
 from understudy.edit.edit import Edit
 from understudy.edit.lines import Place
@@ -66,10 +66,45 @@ def _check_times(edit: Edit, lasts: float) -> None:
         for k, said in enumerate(edit.character)
         for j, task in enumerate(said.task)
     ]
+    for place, one in _giving_way(edit):
+        wanted += [(time, (*place, "hits")) for time in one.hits]
+        wanted += [(time, (*place, "touches")) for _, time in one.touches]
     for time, place in wanted:
+        if time >= lasts and place[-1] in ("hits", "touches"):
+            raise edit.source.error(
+                place, f"{place[-1]} has {time:g} s; the performance lasts {lasts:g} s."
+            )
         if time >= lasts:
             raise edit.source.error(
                 place, f"{place[-1]} begins at {time:g} s; the performance lasts {lasts:g} s."
+            )
+
+
+def _giving_way(edit: Edit) -> list[tuple[Place, GiveWay]]:
+    """Whatever gives way to hits, and where the file says so."""
+    found: list[tuple[Place, GiveWay]] = [
+        (("character", k, "task", j), task)
+        for k, said in enumerate(edit.character)
+        for j, task in enumerate(said.task)
+        if isinstance(task, GiveWay)
+    ]
+    return [*found, *([] if edit.give_way is None else [(("give_way",), edit.give_way)])]
+
+
+def _check_hit(edit: Edit, hit: bool) -> None:
+    """Refuse to give way to nothing; `hit` is whether a push or a throw concerns anybody."""
+    for place, one in _giving_way(edit):
+        if one.hits or one.touches:
+            continue
+        if place != ("give_way",):
+            raise edit.source.error(
+                place, "A give_way task needs the times of the hits, hits = [1.2]."
+            )
+        if not hit:
+            raise edit.source.error(
+                place,
+                "Nothing hits anybody, so there is nothing to give way to: add a [[push]] or a "
+                "[[throw]] at a body, or the times of the hits, hits = [1.2].",
             )
 
 
@@ -221,12 +256,12 @@ def _furnished(edit: Edit, scene: Scene) -> Scene:
 def _happening(edit: Edit, scene: Scene, references: Sequence[Clip]) -> list[Any]:
     """Pushes, throws, and how each character gives way to those that concern it."""
     found: list[Any] = []
-    hits: list[list[float]] = [[] for _ in references]
+    hits: list[list[Push | Throw]] = [[] for _ in references]
     for k, push in enumerate(edit.push):
         _check(edit, push, scene, ("push", k))
         found.append(push)
         for who in _concerned(scene, push):
-            hits[who].append(push.time)
+            hits[who].append(push)
     for k, throw in enumerate(edit.throw):
         place = ("throw", k)
         concerned = _concerned(scene, throw)
@@ -236,12 +271,19 @@ def _happening(edit: Edit, scene: Scene, references: Sequence[Clip]) -> list[Any
         _check(edit, throw, scene, place)
         found.append(throw)
         for who in concerned:
-            hits[who].append(throw.time)
+            hits[who].append(throw)
     if edit.give_way is not None:
-        for who, times in enumerate(hits):
-            one = replace(edit.give_way, character=who, hits=(*edit.give_way.hits, *times))
+        for who, own in enumerate(hits):
+            said, felt = edit.give_way, GiveWay.after(*own)
+            one = replace(
+                said,
+                character=who,
+                hits=(*said.hits, *felt.hits),
+                touches=(*said.touches, *felt.touches),
+            )
             _check(edit, one, scene, ("give_way",))
             found.append(one)
+    _check_hit(edit, any(hits))
     return found
 
 

@@ -17,7 +17,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 
 from understudy import control, scene
 from understudy.control import Disturbance, Task
-from understudy.edit.lines import Place
+from understudy.edit.lines import Place, named
 from understudy.edit.source import EditError, Source
 from understudy.errors import UnknownName, shown
 from understudy.scene import Prop
@@ -78,12 +78,6 @@ def keys(kind: Any) -> dict[str, Field[Any]]:
     hidden = HIDDEN if issubclass(kind, (Task, Disturbance)) else ("source",)
     hidden = (*hidden, *FOLLOWING.get(kind, ()))
     return {f.name: f for f in fields(kind) if f.init and f.name not in hidden}
-
-
-def named(place: Place) -> str:
-    """A table as the file writes it: "[[character.task]]", or a key as "'radius' in [[prop]]"."""
-    words = ".".join(str(part) for part in place if isinstance(part, str))
-    return f"[[{words}]]" if place and isinstance(place[-1], int) else f"[{words}]"
 
 
 def spelled(name: str) -> str:
