@@ -49,6 +49,9 @@ from understudy.scene import Scene
 _BEND = (0.0, 0.0, 1.0)  # a straight arm bends about this axis of the upper arm
 _PALM = (0.0, 0.0, -1.0)  # where a palm faces, in the hand's frame
 _HALF_HAND = 0.0135  # half the thickness of a hand at the palm, over the body's height
+# A hand goes to a place this far off a surface [m] in this part of its ease, then to the surface.
+# Where it starts lower than that, it first goes back so far [m], and up.
+_HOVER, _ON_THE_WAY, _BACK = 0.15, 0.75, 0.12
 _SMOOTHING = 0.004  # of the speed with which the wanted pose changes [s]
 
 
@@ -90,6 +93,11 @@ class Reach(Task):
     @property
     def pressing(self) -> tuple[float, float, float]:
         """Force of the hand on what it reaches [N], world."""
+        return (0.0, 0.0, 0.0)
+
+    @property
+    def approach(self) -> tuple[float, float, float]:
+        """Where the hand comes from at the end, from the target [m], world; zeros: straight."""
         return (0.0, 0.0, 0.0)
 
     def beside(self, body: Character) -> Array:
@@ -156,7 +164,8 @@ class Reach(Task):
         arm = [body.index(joint) for joint in self.joints]
         rotations = sampled(self.reference, times).rotations[:, arm]
         target = (site, *point, *self.beside(body))
-        head = (*self.times, scene.timestep, last, *target, *palm, *facing, *self.pressing)
+        hand = (*palm, *facing, *self.pressing, *self.approach)
+        head = (*self.times, scene.timestep, last, *target, *hand)
         wrist = model.body_jntadr[scene.parts[self.character].bodies[arm[2]]]
         stop = float(model.jnt_range[wrist, 1]) if model.jnt_limited[wrist] else np.pi
         lengths = [float(np.linalg.norm(body.links[i].offset)) for i in arm[1:]]
@@ -203,13 +212,16 @@ class HandOn(Reach):
     """Lays a palm on a surface and presses.
 
     Attributes:
-        hand, target: As for `Reach`; the target is the point of the surface under the palm.
+        hand, target: As for `Reach`; the target is the point of the surface under the palm. The
+            hand goes up and along to 15 cm off it, then comes down.
+        ease: As for every task, but longer: the way is longer.
         normal: Out of the surface, world, 3 numbers.
-        force: How hard to press [N].
+        force: How hard to press [N], within some 8 N: the arm is a stiff spring besides.
         thickness: From the middle of the hand to the palm's skin [m]; None for a person's of the
             body's height.
     """
 
+    ease: float = 0.8
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     force: float = 10.0
     thickness: float | None = None
@@ -235,6 +247,12 @@ class HandOn(Reach):
         x, y, z = self.normal
         return -self.force * x, -self.force * y, -self.force * z
 
+    @property
+    def approach(self) -> tuple[float, float, float]:
+        """The hand comes down on the surface, not along it."""
+        x, y, z = self.normal
+        return _HOVER * x, _HOVER * y, _HOVER * z
+
     def beside(self, body: Character) -> Array:
         """The hand's half thickness out of the surface."""
         half = _HALF_HAND * body.height if self.thickness is None else self.thickness
@@ -253,9 +271,8 @@ def _palm_of(body: Character, hand: str) -> Array:
 
 
 # Places in the parameters after begin, end and ease.
-_DT, _LAST, _SITE, _POINT, _BESIDE, _AT_PALM, _FACING, _FORCE, _STOP, _LENGTHS, _ROWS = (
-    TIMES + k for k in (0, 1, 2, 3, 6, 9, 12, 15, 18, 19, 21)
-)
+_DT, _LAST, _SITE, _POINT, _BESIDE, _AT_PALM, _FACING = (TIMES + k for k in (0, 1, 2, 3, 6, 9, 12))
+_FORCE, _APPROACH, _STOP, _LENGTHS, _ROWS = (TIMES + k for k in (15, 18, 21, 22, 24))
 _CLIP = _ROWS + 3 * JOINT
 
 
@@ -285,12 +302,15 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
     lx, ly, lz = rotated(lower, (0.0, side * b, 0.0))
     palm = (parameters[_AT_PALM], parameters[_AT_PALM + 1], parameters[_AT_PALM + 2])
     # Where the palm is to be, and how turned: on the way from the clip's to the target's.
-    wanted_hand = faced(hand, parameters, weight)
+    weight, landed = phases(parameters, weight)
+    goal = target_of(state, parameters, 1.0 - landed)
+    away = (goal[0] - shoulder[0], goal[1] - shoulder[1], goal[2] - shoulder[2])
+    # The palm has turned before it is over a surface's edge.
+    turn = weight if landed == weight else smooth(2.5 * weight - 0.75)
+    wanted_hand = faced(hand, parameters, turn, away)
     px, py, pz = rotated(hand, palm)
-    goal = target_of(state, parameters)
-    gx = (1.0 - weight) * (shoulder[0] + ux + lx + px) + weight * goal[0]
-    gy = (1.0 - weight) * (shoulder[1] + uy + ly + py) + weight * goal[1]
-    gz = (1.0 - weight) * (shoulder[2] + uz + lz + pz) + weight * goal[2]
+    now = (shoulder[0] + ux + lx + px, shoulder[1] + uy + ly + py, shoulder[2] + uz + lz + pz)
+    gx, gy, gz = on_the_way(now, goal, parameters, weight)
     most, first, second = parameters[_STOP], upper, lower
     twist = twist_of(quaternion_at(parameters, at + 8))
     for _ in range(3):
@@ -318,31 +338,86 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
         tx, ty, tz = gravity_torque(state, body, parameters[row + 7])
         fx, fy, fz = leverage(state, body, goal, parameters)
         torque = (
-            tx + kd * ahead[0] + weight * fx,
-            ty + kd * ahead[1] + weight * fy,
-            tz + kd * ahead[2] + weight * fz,
+            tx + kd * ahead[0] + landed * fx,
+            ty + kd * ahead[1] + landed * fy,
+            tz + kd * ahead[2] + landed * fz,
         )
         command = commanded(state, parameters, row, wanted[k], torque)
         put(ctrl, parameters, row, command, weight)
     memory[0] = 1.0
 
 
-def target_of(state, parameters):  # type: ignore[no-untyped-def]
-    """Where the middle of the hand belongs now [m]."""
+def phases(parameters, weight):  # type: ignore[no-untyped-def]
+    """How far a hand has come on its way, and in coming down on a surface, each 0 to 1."""
+    a = _APPROACH
+    if parameters[a] == 0.0 and parameters[a + 1] == 0.0 and parameters[a + 2] == 0.0:
+        return weight, weight
+    return min(1.0, weight / _ON_THE_WAY), max(0.0, (weight - _ON_THE_WAY) / (1.0 - _ON_THE_WAY))
+
+
+def on_the_way(now, goal, parameters, weight):  # type: ignore[no-untyped-def]
+    """Where the palm is to be between the clip's place and the goal [m].
+
+    To a surface it goes back and up first where it is lower, then along: not into its edge.
+    """
+    x, y, z = goal[0] - now[0], goal[1] - now[1], goal[2] - now[2]
+    a = _APPROACH
+    nx, ny, nz = parameters[a] / _HOVER, parameters[a + 1] / _HOVER, parameters[a + 2] / _HOVER
+    up = x * nx + y * ny + z * nz
+    rise, along = weight, weight
+    if up > 0.0:
+        far = math.sqrt(max((x - up * nx) ** 2 + (y - up * ny) ** 2 + (z - up * nz) ** 2, 1e-6))
+        back = _BACK / far * (smooth(5.0 * weight) - smooth(2.5 * weight - 1.5))
+        rise, along = smooth(2.5 * weight - 0.25), smooth(2.5 * weight - 1.5) - back
+    return (
+        now[0] + along * (x - up * nx) + rise * up * nx,
+        now[1] + along * (y - up * ny) + rise * up * ny,
+        now[2] + along * (z - up * nz) + rise * up * nz,
+    )
+
+
+def smooth(share):  # type: ignore[no-untyped-def]
+    """0 to 1 as the share goes from 0 to 1, at rest at both ends."""
+    s = min(1.0, max(0.0, share))
+    return s * s * (3.0 - 2.0 * s)
+
+
+def target_of(state, parameters, off):  # type: ignore[no-untyped-def]
+    """Where the middle of the hand belongs now [m], `off` (0 to 1) of the approach away."""
     site = int(parameters[_SITE])
     x, y, z = parameters[_POINT], parameters[_POINT + 1], parameters[_POINT + 2]
     if site >= 0:
         x, y, z = state.site_xpos[site, 0], state.site_xpos[site, 1], state.site_xpos[site, 2]
-    return x + parameters[_BESIDE], y + parameters[_BESIDE + 1], z + parameters[_BESIDE + 2]
+    b, a = _BESIDE, _APPROACH
+    return (
+        x + parameters[b] + off * parameters[a],
+        y + parameters[b + 1] + off * parameters[a + 1],
+        z + parameters[b + 2] + off * parameters[a + 2],
+    )
 
 
-def faced(hand, parameters, weight):  # type: ignore[no-untyped-def]
-    """The hand's world orientation, its palm turned to where it is to face."""
+def faced(hand, parameters, weight, away):  # type: ignore[no-untyped-def]
+    """The hand's world orientation, its palm turned to where it is to face.
+
+    The fingers point away from the shoulder (`away`, world), and up along a wall.
+    """
     x, y, z = parameters[_FACING], parameters[_FACING + 1], parameters[_FACING + 2]
-    if x == 0.0 and y == 0.0 and z == 0.0:
+    size = math.sqrt(x * x + y * y + z * z)
+    if size == 0.0:
         return hand
+    x, y, z = x / size, y / size, z / size
     nx, ny, nz = rotated(hand, _PALM)
-    return mixed(hand, composed(arc(nx, ny, nz, x, y, z), hand), weight)
+    turned = composed(arc(nx, ny, nz, x, y, z), hand)
+    far = math.sqrt(away[0] ** 2 + away[1] ** 2 + away[2] ** 2)
+    wx, wy, wz = away[0], away[1], away[2] + 0.5 * far
+    over = wx * x + wy * y + wz * z
+    wx, wy, wz = wx - over * x, wy - over * y, wz - over * z
+    side = -1.0 if parameters[_AT_PALM + 1] < 0.0 else 1.0
+    fx, fy, fz = rotated(turned, (0.0, side, 0.0))
+    across = x * (fy * wz - fz * wy) + y * (fz * wx - fx * wz) + z * (fx * wy - fy * wx)
+    angle = math.atan2(across, fx * wx + fy * wy + fz * wz)
+    turned = composed(exponential(angle * x, angle * y, angle * z), turned)
+    return mixed(hand, turned, weight)
 
 
 def bent(upper, lower, u, v, wanted, a, b):  # type: ignore[no-untyped-def]
