@@ -33,6 +33,25 @@ def test_info_says_what_would_be_changed(capfd):
     assert any("feet" in note for note in found["preparation"])
 
 
+def test_info_says_where_a_clip_starts_faces_and_travels(tmp_path, capfd):
+    walk = us.sample("walk").placed(at=(0.0, 0.0))
+    us.write(walk, tmp_path / "a.npz")
+    us.write(walk.placed(at=(2.0, -1.0), heading=np.radians(100.0)), tmp_path / "b.npz")
+    one, two = (answer(capfd, "info", str(tmp_path / name)) for name in ("a.npz", "b.npz"))
+    assert (one["start_m"], two["start_m"]) == ([0.0, 0.0], [2.0, -1.0])
+    assert one["facing_deg"] == pytest.approx(0.0, abs=10.0)  # samples face +x
+    assert one["travel_deg"] == pytest.approx(0.0, abs=5.0)
+    assert one["travel_m"] > 2.0
+    assert two["travel_m"] == pytest.approx(one["travel_m"], abs=1e-6)
+    for key in ("facing_deg", "travel_deg"):
+        assert two[key] == pytest.approx(one[key] + 100.0, abs=1e-3)
+
+
+def test_info_says_when_a_clip_stays(capsys):
+    assert main(["info", "sample:clapping"]) == 0
+    assert ", ends where it starts (from +x toward +y)" in capsys.readouterr().out
+
+
 def test_info_is_readable(short, capsys):
     assert main(["info", str(short)]) == 0
     shown = capsys.readouterr().out

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 from tyro.conf import Positional, arg
 
 from understudy.app.body import Body, character_for
@@ -15,6 +16,9 @@ from understudy.app.reading import Reading, clip_from
 if TYPE_CHECKING:
     from understudy.character import Character
     from understudy.motion.clip import Clip
+
+STAYS = 0.05
+"""A clip that ends nearer to where it started travels nowhere [m]."""
 
 EXAMPLE = "  understudy info walk.bvh"
 
@@ -40,6 +44,7 @@ def run(options: Options) -> Outcome:
     result = {
         "clip": options.clip,
         **described(clip),
+        **whereabouts(clip, character),
         "preparation": changes,
         "character": embodied(character),
     }
@@ -80,6 +85,36 @@ def described(clip: Clip) -> dict[str, Any]:
     }
 
 
+def whereabouts(clip: Clip, character: Character) -> dict[str, Any]:
+    """Where a clip starts, faces and travels over the ground; angles from +x toward +y."""
+    way = clip.root_positions[-1, :2] - clip.root_positions[0, :2]
+    travel = float(np.linalg.norm(way))
+    return {
+        "start_m": clip.root_positions[0, :2].round(6).tolist(),
+        "facing_deg": facing(clip, character),
+        "travel_m": travel,
+        "travel_deg": degrees(*way) if travel >= STAYS else None,
+    }
+
+
+def facing(clip: Clip, character: Character) -> float | None:
+    """Which way hips and shoulders face in the first frame; None where there are none."""
+    joints, places = character.roles.joints, clip.forward_kinematics().positions[0]
+    ahead = np.zeros(2)
+    for part in ("hip", "shoulder"):
+        pair = [joints.get(f"{side}_{part}") for side in ("left", "right")]
+        if all(joint in clip.skeleton.names for joint in pair):
+            left, right = (places[clip.skeleton.index(str(joint)), :2] for joint in pair)
+            x, y = left - right
+            ahead += np.array([y, -x]) / max(float(np.hypot(x, y)), 1e-9)
+    return degrees(*ahead) if np.linalg.norm(ahead) > 1e-6 else None
+
+
+def degrees(x: float, y: float) -> float:
+    """The direction of a vector over the ground from +x toward +y."""
+    return float(np.degrees(np.arctan2(y, x)))
+
+
 def embodied(character: Character) -> dict[str, Any]:
     """A character as plain values."""
     return {
@@ -115,6 +150,7 @@ def text(clip: Clip, character: Character, changes: Sequence[str]) -> str:
     lines = [
         f"{clip.name}: {len(clip.skeleton)} joints, {clip.frames} frames at {clip.rate:g} Hz, "
         f"{clip.duration:.2f} s; lowest point at {lowest(clip):+.3f} m",
+        course(clip, character),
         *(f"  {note}" for note in clip.notes),
         "",
         f"body: {character.name}, plan {character.plan}, {len(character.links)} links, "
@@ -129,6 +165,20 @@ def text(clip: Clip, character: Character, changes: Sequence[str]) -> str:
         lines += ["", f"no human roles: {character.roles.reason or 'links keep joint names'}"]
     lines += ["", "skeleton:", *(f"  {line}" for line in tree(clip))]
     return "\n".join(lines)
+
+
+def course(clip: Clip, character: Character) -> str:
+    """Where it starts, faces and travels, in one line."""
+    found = whereabouts(clip, character)
+    x, y = found["start_m"]
+    parts = [f"starts at x {x:.2f}, y {y:.2f} m"]
+    if found["facing_deg"] is not None:
+        parts.append(f"facing {found['facing_deg']:z.0f} degrees")
+    if found["travel_deg"] is None:
+        parts.append("ends where it starts")
+    else:
+        parts.append(f"travels {found['travel_m']:.2f} m toward {found['travel_deg']:z.0f} degrees")
+    return ", ".join(parts) + " (from +x toward +y)"
 
 
 def tree(clip: Clip) -> list[str]:
