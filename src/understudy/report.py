@@ -46,7 +46,8 @@ def report_html(take: Take, *, title: str | None = None) -> str:
         parts.append(_joints(s))
         parts.append(tables.by_link(m, k))
         parts.append(_notes(take, k))
-    parts += [tables.contact_events(m), tables.pushes(take), _footer(take, scores)]
+    parts += [tables.tasks(take, m), tables.contact_events(m), tables.pushes(take)]
+    parts.append(_footer(take, scores))
     body = "\n".join(filter(None, parts))
     return page(name, body, style=_STYLE + STYLE, script=SCRIPT)
 

@@ -35,7 +35,7 @@ from understudy.scene import Scene
 
 # The eyes in the head's frame, over the body's height: ahead of the neck's joint and above it
 # (eye height .936 H, Drillis & Contini 1966; the joint lies at .848 H).
-_EYES = (0.05, 0.0, 0.088)
+EYES = (0.05, 0.0, 0.088)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,13 +87,13 @@ class LookAt(Task):
         else:
             point = np.array(self.target)
         body = scene.characters[self.character]
-        eyes = np.array(_EYES) * body.height
+        eyes = np.array(EYES) * body.height
         rows = joint_rows(scene, model, self.character, self.joints)
         head = (*self.times, scene.timestep, site, *point, *eyes, *self.limit)
         return _law, np.array([*head, *rows.ravel()]), np.zeros(8)
 
 
-_DT, _SITE, _POINT, _AT_EYES, _LIMIT, _ROW = (TIMES + k for k in (0, 1, 2, 5, 8, 10))
+_DT, _SITE, _POINT, _ATEYES, _LIMIT, _ROW = (TIMES + k for k in (0, 1, 2, 5, 8, 10))
 
 
 def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-untyped-def]
@@ -105,7 +105,7 @@ def _law(time, state, ctrl, applied, parameters, memory):  # type: ignore[no-unt
     body, dt = int(parameters[_ROW]), parameters[_DT]
     chest = orientation(state.xquat, int(parameters[_ROW + 1]))
     head = composed(chest, quaternion_at(ctrl, int(parameters[_ROW + 4])))
-    eyes = (parameters[_AT_EYES], parameters[_AT_EYES + 1], parameters[_AT_EYES + 2])
+    eyes = (parameters[_ATEYES], parameters[_ATEYES + 1], parameters[_ATEYES + 2])
     ex, ey, ez = rotated(orientation(state.xquat, body), eyes)
     site = int(parameters[_SITE])
     tx, ty, tz = parameters[_POINT], parameters[_POINT + 1], parameters[_POINT + 2]

@@ -9,6 +9,7 @@ Definitions and formulas: docs/evaluation.md.
 from understudy.evaluate.certificate import certificate, write_certificate
 from understudy.evaluate.events import ContactEvent, contact_events, contact_force
 from understudy.evaluate.measure import Measured, measured
+from understudy.evaluate.outcomes import Outcome, outcomes
 from understudy.evaluate.overlap import overlap
 from understudy.evaluate.pushes import PushEvent, push_events
 from understudy.evaluate.score import Score, score
@@ -16,12 +17,14 @@ from understudy.evaluate.score import Score, score
 __all__ = [
     "ContactEvent",
     "Measured",
+    "Outcome",
     "PushEvent",
     "Score",
     "certificate",
     "contact_events",
     "contact_force",
     "measured",
+    "outcomes",
     "overlap",
     "push_events",
     "score",

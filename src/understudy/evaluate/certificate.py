@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from understudy.evaluate.events import ContactEvent, contact_events
 from understudy.evaluate.feet import footfalls, without_footfalls
 from understudy.evaluate.measure import Measured, measured
+from understudy.evaluate.outcomes import outcomes
 from understudy.evaluate.pushes import push_events, pushed
 from understudy.evaluate.score import FAR_OFF, Score, score, versions
 from understudy.motion.figure import plain_name
@@ -68,6 +70,7 @@ def certificate(
         "seed": take.seed,
         "versions": versions(),
         "facts": {key: _plain(value) for key, value in take.facts.items() if key not in TIMES},
+        "tasks": [asdict(one) for one in outcomes(take, m)],
         "pushes": [push.as_dict() for push in pushes],
         "contacts": [event.as_dict() for event in foremost(events, MOST_EVENTS)],
         "contacts_in_all": len(events),

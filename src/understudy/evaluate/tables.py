@@ -13,6 +13,7 @@ from understudy.evaluate.events import ContactEvent
 from understudy.evaluate.events import contact_events as every_contact
 from understudy.evaluate.feet import footfalls, without_footfalls
 from understudy.evaluate.measure import Measured
+from understudy.evaluate.outcomes import outcomes
 from understudy.evaluate.plots import contact_timeline
 from understudy.evaluate.pushes import push_events
 from understudy.motion.figure import plain_name
@@ -130,6 +131,25 @@ def _event_row(event: ContactEvent) -> tuple[str, ...]:
         f"{event.penetration_mm:.1f}",
         f"{event.approach_m_s:.2f}",
     )
+
+
+def tasks(take: Take, m: Measured) -> str:
+    """How well every task was done; nothing where there were none."""
+    rows = [
+        (
+            one.task,
+            f"{one.start_s:.2f} to {one.end_s:.2f}",
+            one.what,
+            f"{one.mean:.1f} {one.unit}",
+            f"{one.most:.1f} {one.unit}",
+        )
+        for one in outcomes(take, m)
+    ]
+    if not rows:
+        return ""
+    head = ("Task", "Fully on [s]", "What", "Mean", "At most")
+    made = table("How far tasks were from their goals", head, rows)
+    return f'<section id="tasks"><h2>Tasks</h2>{made}</section>'
 
 
 def pushes(take: Take) -> str:
