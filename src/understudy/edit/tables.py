@@ -269,7 +269,9 @@ def _word(hint: Any) -> str:
     if get_origin(hint) is tuple:
         parts = get_args(hint)
         if get_origin(parts[0]) is tuple:
-            return 'pairs in brackets, as [["right_hand", "drum"]],'
+            timed = get_args(parts[0])[-1] is float
+            pair = '["ball", 1.2]' if timed else '["right_hand", "drum"]'
+            return f"pairs in brackets, as [{pair}],"
         word = {int: "whole numbers", str: "names in quotes"}.get(parts[0], "numbers")
         if get_origin(parts[0]) is Literal:
             word = f"of {_word(parts[0])}"
