@@ -179,7 +179,7 @@ def _told_twice(text: str, line: int | None, column: int) -> tuple[str, int] | N
     read = text.replace("\r\n", "\n")
     if line is not None:
         lines = read.split("\n")[:line]
-        read = "\n".join((*lines[:-1], lines[-1][:column]))
+        read = "\n".join((*lines[:-1], lines[-1][: column - 1]))
     twice = twice_in(read)
     if twice is None:
         return None
