@@ -159,6 +159,7 @@ def test_the_fields_in_degrees_are_those_documented_in_radians():
         ),
         ("[ground]\n" + WAVE + "[ground]\n", 5, r"\[ground\] is there twice, .* keep one"),
         (WAVE + "[character]\n", 4, r"\[character\] is there twice, .* double brackets"),
+        ("[[character.task]]\n" + WAVE, 2, r"\[\[character\]\] must come before .* line 1"),
         ("seed = 1\n[seed]\n", 2, "not TOML: Cannot overwrite a value"),
         (WAVE.replace("[0.8, 1.2]", "[1.0, 1.0]"), 3, r"trim is \[1\.0, 1\.0\]; .* later end"),
         (WAVE.replace("[0.8, 1.2]", "[8, 2]"), 3, r"trim is \[8\.0, 2\.0\]; .* a later end"),

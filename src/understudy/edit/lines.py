@@ -36,7 +36,7 @@ class Twice:
     """A key, or a table in single brackets, that a text has twice.
 
     Attributes:
-        place: Where it is.
+        place: Where it is; of a list of tables that begins after a table in it, its first entry.
         table: Whether it is a table's header.
         first, again: The two lines.
     """
@@ -101,8 +101,11 @@ class _Scanner:
             if place in self.tables:
                 place = (*place, self.tables[place] - 1)
         place = (*place, last)
-        if not many and (place in self.opened or place in self.tables):
+        if place in self.opened or (place in self.tables and not many):
             self._note(place, line, table=True)
+        elif many and place in self.lines and place not in self.tables:
+            self.lines[(*place, 0)] = self.lines[place]
+            self._note((*place, 0), line, table=True)
         self.lines.setdefault(place, line)
         if many:
             number = self.tables.get(place, 0)

@@ -184,6 +184,9 @@ def _told_twice(text: str, line: int | None, column: int) -> tuple[str, int] | N
     if twice is None:
         return None
     where = f"here and on line {twice.first}"
+    if isinstance(twice.place[-1], int):
+        said = f"{named(twice.place)} must come before what is in it, on line {twice.first}."
+        return said, twice.again
     if twice.table:
         several = "of what there can be several, each stands in double brackets, as [[prop]]"
         return f"{named(twice.place)} is there twice, {where}; keep one: {several}.", twice.again
