@@ -177,3 +177,11 @@ def test_an_out_that_is_a_file_is_refused(stroke, tmp_path, capsys):
     (tmp_path / "out").write_text("")
     assert main(["perform", str(stroke), "--out", str(tmp_path / "out")]) == 2
     assert "--out needs a folder" in capsys.readouterr().err
+
+
+def test_how_far_tasks_were_from_their_goals_is_told(tmp_path, capsys):
+    task = '[[character.task]]\nkind = "look_at"\ntarget = [2.0, 1.0, 1.5]\nease = 0.1\n'
+    (tmp_path / "look.toml").write_text(WAVE + task)
+    assert main(["perform", str(tmp_path / "look.toml"), "--out", str(tmp_path / "out")]) == 0
+    shown = capsys.readouterr().out
+    assert "look: tasks" in shown and "face from its target" in shown

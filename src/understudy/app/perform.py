@@ -339,6 +339,22 @@ def events(row: Row) -> str:
     return table([EVENT, *cells], right=range(1, len(EVENT))) + more
 
 
+def tasks(found: Sequence[dict[str, Any]]) -> str:
+    """How far every task was from its goal while it had taken over, as a table."""
+    lines = [
+        (
+            one["task"],
+            f"{one['start_s']:.2f} - {one['end_s']:.2f}",
+            one["what"],
+            f"{one['mean']:.1f}",
+            f"{one['most']:.1f}",
+            one["unit"],
+        )
+        for one in found
+    ]
+    return table([("task", "at s", "what", "mean", "at most", ""), *lines], right=(3, 4))
+
+
 def text(rows: Sequence[Row]) -> str:
     """The table, what it means, what touched what, where the files are; empty when all failed."""
     if all(row.error for row in rows):
@@ -351,6 +367,8 @@ def text(rows: Sequence[Row]) -> str:
             parts += ["", *folded(row.error)]
             continue
         parts += ["", f"{row.name}: {row.title}"] if row.title else []
+        if row.certificate and row.certificate["tasks"]:
+            parts += ["", f"{row.name}: tasks", tasks(row.certificate["tasks"])]
         touched = events(row)
         if touched:
             parts += ["", f"{row.name}: contacts", touched]
