@@ -148,7 +148,7 @@ def compiled(
     parts = [controller.feedback(performance.scene, model) for controller in feedback]
     signature = law_signature()
     laws = [compiled(law, signature) for law, _, _ in parts]
-    run = loop.one if len(laws) == 1 else loop.several
+    run: Any = loop.one if len(laws) == 1 else loop.several
     if len(laws) > 1:
         laws += [compiled(loop.idle, signature)] * (loop.MOST_LAWS - len(laws))
     parameters_at, parameters = _joined([p for _, p, _ in parts])
