@@ -1,0 +1,158 @@
+"""A run beside people and beside captured runs: one HTML page, or the same as JSON."""
+
+from __future__ import annotations
+
+import html as markup
+import json
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from understudy.errors import InvalidValue
+from understudy.evaluate.chart import SCRIPT, STYLE
+from understudy.evaluate.gait import Gait, gait_of
+from understudy.evaluate.running import (
+    MOST_BESIDE,
+    Likeness,
+    curves_table,
+    figures_table,
+    likeness,
+    running_charts,
+    sources_list,
+)
+from understudy.motion.files import written
+from understudy.output.page import page
+
+if TYPE_CHECKING:
+    from understudy.motion.clip import Clip
+    from understudy.take import Take
+
+SCHEMA = 1
+
+
+def running_data(
+    run: Gait | Clip | Take, *, beside: Sequence[Gait | Clip | Take] = ()
+) -> dict[str, Any]:
+    """The run beside people and the others, as plain values that JSON takes.
+
+    Raises:
+        InvalidValue: A motion without a whole cycle, or at no speed that people run.
+    """
+    first, *rest = _likenesses(run, beside)
+    return {
+        "kind": "understudy running",
+        "schema": SCHEMA,
+        "run": first.as_dict(),
+        "beside": [one.as_dict() for one in rest],
+    }
+
+
+def running_page(
+    run: Gait | Clip | Take,
+    *,
+    beside: Sequence[Gait | Clip | Take] = (),
+    title: str | None = None,
+) -> str:
+    """The run beside people and the others, as one HTML page.
+
+    Args:
+        run: What to judge: a gait, or a clip or take to measure it in.
+        beside: Up to three others, such as captured runs.
+        title: Heading; by default the run's name.
+
+    Raises:
+        InvalidValue: A motion without a whole cycle, or at no speed that people run; more than
+            three others.
+    """
+    found = _likenesses(run, beside)
+    name = title or found[0].gait.name
+    charts = "".join(chart.html() for chart in running_charts(found))
+    body = "\n".join(
+        (
+            f'<header><p class="kicker">Running beside people</p><h1>{_text(name)}</h1>'
+            f"<p>{_text(statement(found[0]))}</p></header>",
+            f"<section><h2>Figures</h2>{figures_table(found)}{_beyond(found)}</section>",
+            f"<section><h2>Curves</h2>{curves_table(found)}{charts}</section>",
+            f"<section><h2>Sources</h2>{sources_list(found)}{_methods(found)}</section>",
+        )
+    )
+    return page(name, body, style=STYLE, script=SCRIPT)
+
+
+def write_running(
+    run: Gait | Clip | Take,
+    path: str | PathLike[str],
+    *,
+    beside: Sequence[Gait | Clip | Take] = (),
+    title: str | None = None,
+) -> None:
+    """Write the page (.html) or its numbers (.json).
+
+    Raises:
+        InvalidValue: Another suffix, or as for `running_page`.
+        UnderstudyError: The file cannot be written.
+    """
+    kind = Path(path).suffix.lower()
+    if kind == ".html":
+        text = running_page(run, beside=beside, title=title)
+    elif kind == ".json":
+        text = json.dumps(running_data(run, beside=beside), indent=1)
+    else:
+        raise InvalidValue(f"{path}: a run beside people is written as .html or .json.")
+    with written(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def _likenesses(
+    run: Gait | Clip | Take, beside: Sequence[Gait | Clip | Take]
+) -> tuple[Likeness, ...]:
+    if len(beside) > MOST_BESIDE:
+        raise InvalidValue(
+            f"{len(beside)} motions beside the run; {MOST_BESIDE} are as many as can be told apart."
+        )
+    return tuple(
+        likeness(motion if isinstance(motion, Gait) else gait_of(motion))
+        for motion in (run, *beside)
+    )
+
+
+def statement(found: Likeness) -> str:
+    """What matters, in a few sentences."""
+    gait, hip, knee = found.gait, found.curves["hip"], found.curves["knee"]
+    judged = [m for m in found.figures.values() if m.inside is not None]
+    within = sum(bool(m.inside) for m in judged)
+    walks = "Walks or shuffles, a foot being down for half the time or more,"
+    first = "Runs" if gait.runs else walks
+    return (
+        f"{first} at {gait.speed:.2f} m/s over {len(gait.cycles)} cycles, told by {gait.kind}. Over "
+        f"the cycle the hip correlates {hip.correlation:.2f} and the knee {knee.correlation:.2f} "
+        f"with people's. {within} of {len(judged)} figures lie in the range of 95 % of people."
+    )
+
+
+def _beyond(found: Sequence[Likeness]) -> str:
+    out = [
+        f"{one.gait.name} runs at {one.people.asked:.2f} m/s: people are measured from 2.5 to "
+        f"4.5 m/s; shown are values carried on to {one.people.speed:.2f} m/s."
+        for one in found
+        if one.people.extrapolated
+    ]
+    return "".join(f"<p>{_text(text)}</p>" for text in out)
+
+
+def _methods(found: Sequence[Likeness]) -> str:
+    kinds = {one.gait.kind for one in found}
+    text = "Usual ranges are two standard deviations either way."
+    if "motion of the soles" in kinds:
+        text += (
+            " Clips have no forces: a foot stands while a point of its sole is low and slow, which "
+            "puts touchdown and toe-off within some hundredths of a second."
+        )
+    if "contact forces" in kinds:
+        text += " In simulations a foot stands while the ground bears more than 20 N on it."
+    return f"<p>{_text(text)}</p>"
+
+
+def _text(value: object) -> str:
+    return markup.escape(str(value), quote=True)
