@@ -18,9 +18,9 @@ from understudy.evaluate.running import (
     curves_table,
     figures_table,
     likeness,
-    running_charts,
     sources_list,
 )
+from understudy.evaluate.running_charts import running_charts
 from understudy.motion.files import written
 from understudy.output.page import page
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from understudy.take import Take
 
 SCHEMA = 1
+STEADY = 0.5
+"""A gait that gains or loses more than this is on its way to another speed [m/s2]."""
 
 
 def running_data(
@@ -123,11 +125,12 @@ def statement(found: Likeness) -> str:
     judged = [m for m in found.figures.values() if m.inside is not None]
     within = sum(bool(m.inside) for m in judged)
     walks = "Walks or shuffles, a foot being down for half the time or more,"
-    first = "Runs" if gait.runs else walks
+    cycles = f"{len(gait.cycles)} cycle{'s' if len(gait.cycles) > 1 else ''}"
     return (
-        f"{first} at {gait.speed:.2f} m/s over {len(gait.cycles)} cycles, told by {gait.kind}. Over "
-        f"the cycle the hip correlates {hip.correlation:.2f} and the knee {knee.correlation:.2f} "
-        f"with people's. {within} of {len(judged)} figures lie in the range of 95 % of people."
+        f"{'Runs' if gait.runs else walks} at {gait.speed:.2f} m/s over {cycles}, told by "
+        f"{gait.kind}. Over the cycle the hip correlates {hip.correlation:.2f} and the knee "
+        f"{knee.correlation:.2f} with people's. {within} of {len(judged)} figures lie in the range "
+        "of 95 % of people."
     )
 
 
@@ -138,6 +141,14 @@ def _beyond(found: Sequence[Likeness]) -> str:
         for one in found
         if one.people.extrapolated
     ]
+    for one in found:
+        gain = one.gait.figures()["acceleration_m_s2"].mean
+        if abs(gain) > STEADY:
+            what = "speeds up" if gain > 0 else "slows down"
+            out.append(
+                f"{one.gait.name} {what} by {abs(gain):.1f} m/s every second; people were measured "
+                "at a steady speed."
+            )
     return "".join(f"<p>{_text(text)}</p>" for text in out)
 
 

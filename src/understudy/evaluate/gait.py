@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from understudy.errors import InvalidValue, expect
-from understudy.evaluate.gait_angles import ANGLES, across, angles, heading, legs_apart
+from understudy.evaluate.gait_angles import ANGLES, heading, legs_apart
 from understudy.evaluate.gait_body import SIDES, Mover, named, of_clip, of_measured
+from understudy.evaluate.gait_cycle import Cycle, cycle_of, frames_between
 from understudy.evaluate.gait_forces import StanceForce, foot_forces, stance_force
 from understudy.evaluate.gait_stances import (
     Stance,
@@ -33,9 +34,6 @@ from understudy.motion.rotations import Array
 
 if TYPE_CHECKING:
     from understudy.take import Take
-
-PHASE = np.arange(101) / 100.0
-"""Share of the cycle at which curves are given."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,65 +56,6 @@ class Spread:
         if not len(values):
             return None
         return cls(mean=float(np.mean(values)), sd=float(np.std(values)), count=len(values))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cycle:
-    """One stride of one leg, from its touchdown to its next.
-
-    Attributes:
-        side: Which leg.
-        start_s: Touchdown [s].
-        end_s: Next touchdown [s].
-        stance_s: Time on the ground [s].
-        speed: Along the way of travel [m/s].
-        step_width: Lateral distance of this foot's stance from the other's [m]; negative where the
-            feet cross the line of travel; None where the other foot does not stand between.
-        rise: From the lowest to the highest point of the center of mass, drift taken out [m].
-        apart: Least distance of the axes of the two lower legs [m].
-        curves: Angles named in `ANGLES` at 0, 1, ... 100 % of the cycle [rad], shape (101,).
-        height: Height of the center of mass over its mean, drift taken out [m], shape (101,).
-    """
-
-    side: str
-    start_s: float
-    end_s: float
-    stance_s: float
-    speed: float
-    step_width: float | None
-    rise: float
-    apart: float
-    curves: dict[str, Array] = field(repr=False)
-    height: Array = field(repr=False)
-
-    @property
-    def duration_s(self) -> float:
-        """[s]."""
-        return self.end_s - self.start_s
-
-    @property
-    def duty(self) -> float:
-        """Share of the cycle on the ground."""
-        return self.stance_s / self.duration_s
-
-    @property
-    def step_rate(self) -> float:
-        """Steps per second, two to a cycle [Hz]."""
-        return 2.0 / self.duration_s
-
-    @property
-    def step_length(self) -> float:
-        """How far the body gets with a step: half of what it gets in the cycle [m]."""
-        return 0.5 * self.speed * self.duration_s
-
-    def angle(self, name: str, share: float) -> float:
-        """A curve's angle [rad] at a share of the cycle from 0 to 1."""
-        return float(np.interp(share, PHASE, self.curves[name]))
-
-    def part(self, name: str, first: float, last: float) -> Array:
-        """A curve between two shares of the cycle [rad]."""
-        inside = (first <= PHASE) & (last >= PHASE)
-        return self.curves[name][inside] if inside.any() else self.curves[name][:1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -269,7 +208,7 @@ def _gait(
     cycles = []
     for side in SIDES:
         mine = [s for s in stances if s.side == side and s.begins]
-        cycles += [_cycle(mover, a, b, stances, apart) for a, b in pairwise(mine)]
+        cycles += [cycle_of(mover, a, b, stances, apart) for a, b in pairwise(mine)]
     return Gait(
         name=mover.name,
         kind="motion of the soles" if plate is None else "contact forces",
@@ -282,69 +221,12 @@ def _gait(
     )
 
 
-def _frames(mover: Mover, start: float, end: float) -> slice:
-    """The frames between two times, and one beyond each."""
-    first, last = np.searchsorted(mover.times, (start, end))
-    return slice(max(0, int(first) - 1), min(len(mover.times), int(last) + 1))
-
-
-def _cycle(
-    mover: Mover, here: Stance, after: Stance, every: Sequence[Stance], apart: Array
-) -> Cycle:
-    frames = _frames(mover, here.start_s, after.start_s)
-    times, ahead = mover.times[frames], heading(mover, frames)
-    at = here.start_s + PHASE * (after.start_s - here.start_s)
-    path = mover.center_of_mass
-    ends = [_sampled(mover.times, path, t) for t in (here.start_s, after.start_s)]
-    height = np.interp(at, mover.times, path[:, 2])
-    # What one cycle gains in height, it keeps: an uneven floor or a drift.
-    height = height - PHASE * (height[-1] - height[0])
-    curves = angles(mover, here.side, frames, ahead)
-    return Cycle(
-        side=here.side,
-        start_s=here.start_s,
-        end_s=after.start_s,
-        stance_s=here.duration_s,
-        speed=float(np.linalg.norm((ends[1] - ends[0])[:2]) / (after.start_s - here.start_s)),
-        step_width=_width(mover, here, after, every, ahead),
-        rise=float(np.ptp(height)),
-        apart=float(apart[frames].min()),
-        curves={name: np.interp(at, times, np.unwrap(curve)) for name, curve in curves.items()},
-        height=height - height.mean(),
-    )
-
-
-def _sampled(times: Array, path: Array, at: float) -> Array:
-    return np.array([np.interp(at, times, column) for column in path.T])
-
-
-def _width(
-    mover: Mover, here: Stance, after: Stance, every: Sequence[Stance], ahead: Array
-) -> float | None:
-    """Lateral distance of the other foot's stance from the line between two of this one's [m]."""
-    between = [s for s in every if s.side != here.side and here.start_s < s.start_s < after.start_s]
-    if not between or not after.whole:
-        return None
-    mine = [_standing_at(mover, s) for s in (here, after)]
-    other = _standing_at(mover, between[0])
-    share = (between[0].middle_s - here.middle_s) / (after.middle_s - here.middle_s)
-    left = across(ahead)[len(ahead) // 2]
-    gap = float((mine[0] + share * (mine[1] - mine[0]) - other) @ left)
-    return gap if here.side == "left" else -gap
-
-
-def _standing_at(mover: Mover, stance: Stance) -> Array:
-    """Where a foot is in the middle of its stance: midway from ankle to ball [m]."""
-    middle = 0.5 * (mover.at(f"{stance.side}_ankle") + mover.forefoot(stance.side))
-    return _sampled(mover.times, middle, stance.middle_s)
-
-
 def _forces(
     mover: Mover, stances: Sequence[Stance], times: Array, force: dict[str, Array]
 ) -> list[StanceForce]:
     out = []
     for stance in stances:
-        frames = _frames(mover, stance.start_s, stance.end_s)
+        frames = frames_between(mover, stance.start_s, stance.end_s)
         if stance.whole and len(mover.times[frames]) > 2:
             ahead = heading(mover, frames)[len(mover.times[frames]) // 2]
             out.append(stance_force(times, force[stance.side], stance, ahead))
@@ -368,6 +250,7 @@ def _of_forces(value: Callable[[StanceForce], float | None]) -> Callable[[Gait],
 
 _FIGURES: dict[str, Callable[[Gait], list[float]]] = {
     "speed_m_s": _of_cycles(lambda c: c.speed),
+    "acceleration_m_s2": _of_cycles(lambda c: c.acceleration),
     "stance_s": lambda gait: [s.duration_s for s in gait.stances if s.whole],
     "flight_s": lambda gait: flights(gait.stances),
     "duty": _of_cycles(lambda c: c.duty),

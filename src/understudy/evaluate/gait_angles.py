@@ -19,21 +19,30 @@ STILL = 0.3
 """A body that gets no further than this in a cycle [m] is going nowhere: it faces its pelvis."""
 
 
-def heading(mover: Mover, frames: slice) -> Array:
-    """Unit vectors of travel on the ground over a stretch of frames, shape (frames, 3).
+def travel(mover: Mover, frames: slice) -> Array:
+    """Velocity on the ground over a stretch of frames [m/s], z being 0, shape (frames, 3).
 
     The derivative of the parabola that fits the path of the center of mass best: a straight line or
-    an even turn, without the sway of the steps. A body that goes nowhere travels where it faces.
+    an even turn at an even change of speed, without the sway of the steps.
     """
     path = mover.center_of_mass[frames, :2]
     time = mover.times[frames] - mover.times[frames].mean()
-    if np.linalg.norm(path[-1] - path[0]) > STILL and len(path) > 5:
-        fit = np.polynomial.polynomial.polyfit(time, path, 2)
-        way = fit[1] + 2.0 * fit[2] * time[:, None]
-    else:
-        way = np.broadcast_to(mover.axis("pelvis", (1, 0, 0))[frames, :2].mean(axis=0), path.shape)
-    flat = np.concatenate((way, np.zeros((len(path), 1))), axis=1)
-    return flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-9)
+    fit = np.polynomial.polynomial.polyfit(time, path, min(2, len(path) - 1))
+    slope = np.concatenate((fit, np.zeros((2, 2))))
+    return np.pad(slope[1] + 2.0 * slope[2] * time[:, None], ((0, 0), (0, 1)))
+
+
+def heading(mover: Mover, frames: slice) -> Array:
+    """Unit vectors of travel on the ground over a stretch of frames, shape (frames, 3).
+
+    A body that goes nowhere travels where its pelvis faces.
+    """
+    path = mover.center_of_mass[frames, :2]
+    way = travel(mover, frames)
+    if np.linalg.norm(path[-1] - path[0]) <= STILL:
+        facing = mover.axis("pelvis", (1, 0, 0))[frames, :2].mean(axis=0)
+        way = np.broadcast_to(np.append(facing, 0.0), way.shape)
+    return way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
 
 
 def across(ahead: Array) -> Array:

@@ -1,7 +1,7 @@
 """A gait against people: how like the curves are, how far off each figure, and the charts of it.
 
 In come gaits (`understudy.evaluate.gait`), out go a `Likeness` for each and the pieces of a page:
-tables, charts, and plain values for JSON.
+tables and plain values for JSON. Charts: `understudy.evaluate.running_charts`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from understudy.errors import InvalidValue
-from understudy.evaluate.chart import Chart, Series
-from understudy.evaluate.gait import PHASE, Gait
+from understudy.evaluate.gait import Gait, Spread
 from understudy.evaluate.people import USABLE, Human, People, people
 from understudy.evaluate.tables import table
 from understudy.motion.rotations import Array
@@ -130,7 +129,7 @@ def likeness(gait: Gait, *, speed: float | None = None) -> Likeness:
             f"{gait.name}: moves at {wanted:.2f} m/s; people's running is known from {USABLE[0]:g} "
             f"to {USABLE[1]:g} m/s. Give the speed to compare with."
         )
-    found = {name: np.degrees(gait.curve(name)[0]) for name in _CURVES}
+    found = {name: np.degrees(gait.curve(name)[0]) for name in CURVES}
     others = people(wanted)
     return Likeness(
         gait=gait,
@@ -161,8 +160,7 @@ def matched(name: str, mine: Array, theirs: Array) -> CurveMatch:
     )
 
 
-# Title, and how the curve is defined.
-_CURVES = {
+CURVES = {
     "hip": ("Hip flexion", "Thigh against pelvis; zero standing, flexion positive."),
     "thigh": ("Thigh", "Line from hip to knee, forward of straight down."),
     "knee": ("Knee flexion", "Between thigh and shank; zero is straight."),
@@ -171,90 +169,111 @@ _CURVES = {
     "pelvis": ("Pelvis, anterior tilt", "Zero standing, forward positive."),
     "trunk": ("Trunk lean", "Line from the hips to the neck, forward of standing."),
 }
-# Title, unit, factor from the figure's own unit, digits.
-_ROWS: dict[str, tuple[str, str, float, int]] = {
-    "speed_m_s": ("Speed", "m/s", 1.0, 2),
-    "stance_s": ("Stance", "ms", 1e3, 0),
-    "flight_s": ("Flight", "ms", 1e3, 0),
-    "duty": ("Duty factor", "%", 100.0, 1),
-    "step_rate_hz": ("Step rate", "Hz", 1.0, 2),
-    "step_length_m": ("Step length", "m", 1.0, 2),
-    "step_width_m": ("Step width", "mm", 1e3, 0),
-    "com_rise_m": ("Rise of the center of mass", "mm", 1e3, 0),
-    "legs_apart_m": ("Lower legs apart, least", "mm", 1e3, 0),
-    "knee_touchdown_deg": ("Knee at touchdown", "°", 1.0, 0),
-    "knee_stance_peak_deg": ("Knee, most in stance", "°", 1.0, 0),
-    "knee_toe_off_deg": ("Knee at toe-off", "°", 1.0, 0),
-    "knee_swing_peak_deg": ("Knee, most in swing", "°", 1.0, 0),
-    "thigh_toe_off_deg": ("Thigh at toe-off", "°", 1.0, 0),
-    "thigh_forward_peak_deg": ("Thigh, most forward", "°", 1.0, 0),
-    "thigh_back_peak_deg": ("Thigh, furthest back", "°", 1.0, 0),
-    "plantarflexion_toe_off_deg": ("Plantarflexion at toe-off", "°", 1.0, 0),
-    "ankle_stance_peak_deg": ("Ankle, most dorsiflexed in stance", "°", 1.0, 0),
-    "foot_touchdown_deg": ("Foot at touchdown, toe up", "°", 1.0, 0),
-    "trunk_touchdown_deg": ("Trunk lean at touchdown", "°", 1.0, 0),
-    "trunk_stance_peak_deg": ("Trunk lean, most in stance", "°", 1.0, 0),
-    "trunk_mean_deg": ("Trunk lean, mean", "°", 1.0, 0),
-    "force_peak_bw": ("Force, largest", "BW", 1.0, 2),
-    "force_active_bw": ("Force, largest after the first quarter", "BW", 1.0, 2),
-    "force_impact_bw": ("Force, impact peak", "BW", 1.0, 2),
-    "force_mean_bw": ("Force, mean in stance", "BW", 1.0, 2),
-    "loading_rate_bw_s": ("Loading rate", "BW/s", 1.0, 0),
-    "braking_m_s": ("Braking impulse over mass", "m/s", 1.0, 2),
-    "pushing_m_s": ("Pushing impulse over mass", "m/s", 1.0, 2),
+"""Title of every curve, and how it is defined."""
+
+
+@dataclass(frozen=True)
+class _Row:
+    """How a figure is shown: its title, unit, factor from its own unit, and digits."""
+
+    title: str
+    unit: str
+    factor: float
+    digits: int
+
+    def number(self, value: float) -> str:
+        """A value in the row's unit; zero has no sign."""
+        text = f"{self.factor * value:.{self.digits}f}"
+        return text.lstrip("-") if float(text) == 0.0 else text
+
+    def mean(self, spread: Spread | None) -> str:
+        """The mean and, over several values, their standard deviation."""
+        if spread is None:
+            return "-"
+        text = self.number(spread.mean)
+        return text if spread.count < 2 else f"{text} ± {self.number(spread.sd)}"
+
+    def usual(self, human: Human | None) -> str:
+        """People's mean and usual range."""
+        if human is None:
+            return "-"
+        text = self.number(human.mean)
+        if human.low is None or human.high is None:
+            return text
+        return f"{text} ({self.number(human.low)} to {self.number(human.high)})"
+
+    def beside(self, spread: Spread | None, human: Human | None) -> str:
+        """The mean and, in brackets, people's."""
+        text = self.mean(spread)
+        return text if spread is None or human is None else f"{text} ({self.number(human.mean)})"
+
+
+_ROWS = {
+    "speed_m_s": _Row("Speed", "m/s", 1.0, 2),
+    "acceleration_m_s2": _Row("Gain in speed", "m/s²", 1.0, 1),
+    "stance_s": _Row("Stance", "ms", 1e3, 0),
+    "flight_s": _Row("Flight", "ms", 1e3, 0),
+    "duty": _Row("Duty factor", "%", 100.0, 1),
+    "step_rate_hz": _Row("Step rate", "Hz", 1.0, 2),
+    "step_length_m": _Row("Step length", "m", 1.0, 2),
+    "step_width_m": _Row("Step width", "mm", 1e3, 0),
+    "com_rise_m": _Row("Rise of the center of mass", "mm", 1e3, 0),
+    "legs_apart_m": _Row("Lower legs apart, least", "mm", 1e3, 0),
+    "knee_touchdown_deg": _Row("Knee at touchdown", "°", 1.0, 0),
+    "knee_stance_peak_deg": _Row("Knee, most in stance", "°", 1.0, 0),
+    "knee_toe_off_deg": _Row("Knee at toe-off", "°", 1.0, 0),
+    "knee_swing_peak_deg": _Row("Knee, most in swing", "°", 1.0, 0),
+    "thigh_toe_off_deg": _Row("Thigh at toe-off", "°", 1.0, 0),
+    "thigh_forward_peak_deg": _Row("Thigh, most forward", "°", 1.0, 0),
+    "thigh_back_peak_deg": _Row("Thigh, furthest back", "°", 1.0, 0),
+    "plantarflexion_toe_off_deg": _Row("Plantarflexion at toe-off", "°", 1.0, 0),
+    "ankle_stance_peak_deg": _Row("Ankle, most dorsiflexed in stance", "°", 1.0, 0),
+    "foot_touchdown_deg": _Row("Foot at touchdown, toe up", "°", 1.0, 0),
+    "trunk_touchdown_deg": _Row("Trunk lean at touchdown", "°", 1.0, 0),
+    "trunk_stance_peak_deg": _Row("Trunk lean, most in stance", "°", 1.0, 0),
+    "trunk_mean_deg": _Row("Trunk lean, mean", "°", 1.0, 0),
+    "force_peak_bw": _Row("Force, largest", "BW", 1.0, 2),
+    "force_active_bw": _Row("Force, largest after the first quarter", "BW", 1.0, 2),
+    "force_impact_bw": _Row("Force, impact peak", "BW", 1.0, 2),
+    "force_mean_bw": _Row("Force, mean in stance", "BW", 1.0, 2),
+    "loading_rate_bw_s": _Row("Loading rate", "BW/s", 1.0, 0),
+    "braking_m_s": _Row("Braking impulse over mass", "m/s", 1.0, 2),
+    "pushing_m_s": _Row("Pushing impulse over mass", "m/s", 1.0, 2),
 }
 
 
 def figures_table(found: Sequence[Likeness]) -> str:
-    """Every figure of every gait, each beside people at its own speed, as HTML."""
-    head = ["Figure"]
-    for one in found:
-        head += [one.gait.name, f"people at {one.people.speed:.1f} m/s"]
+    """Every figure of every gait beside people at its own speed, as HTML."""
+    first, *rest = found
+    head = ["Figure", first.gait.name, f"people at {first.people.speed:.1f} m/s"]
+    head += [f"{one.gait.name} (people at {one.people.speed:.1f} m/s)" for one in rest]
     measures = [one.gait.figures() for one in found]
     rows = []
-    for name, (title, unit, factor, digits) in _ROWS.items():
-        if not any(name in figures for figures in measures):
+    for name, row in _ROWS.items():
+        values = [figures.get(name) for figures in measures]
+        if not any(values):
             continue
-        cells = [f"{title} [{unit}]"]
-        for one, figures in zip(found, measures, strict=True):
-            spread, human = figures.get(name), one.people.figures.get(name)
-            cells.append("-" if spread is None else _mean(spread.mean, spread.sd, factor, digits))
-            cells.append("-" if human is None else _usual(human, factor, digits))
+        published = [one.people.figures.get(name) for one in found]
+        cells = [f"{row.title} [{row.unit}]", row.mean(values[0]), row.usual(published[0])]
+        cells += [row.beside(v, h) for v, h in zip(values[1:], published[1:], strict=True)]
         rows.append(cells)
-    return table("Figures, mean ± standard deviation; people with their usual range", head, rows)
-
-
-def _mean(mean: float, sd: float, factor: float, digits: int) -> str:
-    return f"{factor * mean:.{digits}f} ± {factor * sd:.{digits}f}"
-
-
-def _usual(human: Human, factor: float, digits: int) -> str:
-    text = f"{factor * human.mean:.{digits}f}"
-    if human.low is not None and human.high is not None:
-        text += f" ({factor * human.low:.{digits}f} to {factor * human.high:.{digits}f})"
-    return text
+    return table("Mean ± standard deviation; of people the mean and the usual range", head, rows)
 
 
 def curves_table(found: Sequence[Likeness]) -> str:
     """How like people's the curves of every gait are, as HTML."""
-    head = ["Curve"]
-    for one in found:
-        head += [
-            f"{one.gait.name}: correlation",
-            "rms [°]",
-            "mean off [°]",
-            "range [°]",
-            "people's",
-        ]
+    first, *rest = found
+    head = ["Curve", "correlation", "rms [°]", "mean off [°]", "range [°]", "people's range [°]"]
+    head += [f"{one.gait.name}: correlation; rms [°]" for one in rest]
     rows = []
-    for name in found[0].curves:
-        cells = [_CURVES[name][0]]
-        for one in found:
-            m = one.curves[name]
-            cells += [f"{m.correlation:.3f}", f"{m.rms_deg:.1f}", f"{m.offset_deg:+.1f}"]
-            cells += [f"{m.range_deg:.0f}", f"{m.people_range_deg:.0f}"]
+    for name, m in first.curves.items():
+        cells = [CURVES[name][0], f"{m.correlation:.3f}", f"{m.rms_deg:.1f}"]
+        cells += [f"{m.offset_deg:+.1f}", f"{m.range_deg:.0f}", f"{m.people_range_deg:.0f}"]
+        for one in rest:
+            cells.append(f"{one.curves[name].correlation:.3f}; {one.curves[name].rms_deg:.1f}")
         rows.append(cells)
-    return table("Angle curves against people's at the same speed", head, rows)
+    caption = f"Angle curves of {first.gait.name} against people's at the same speed"
+    return table(f"{caption}, then the others' against people's at theirs", head, rows)
 
 
 def sources_list(found: Sequence[Likeness]) -> str:
@@ -263,7 +282,7 @@ def sources_list(found: Sequence[Likeness]) -> str:
     for one in found:
         for name, human in one.people.figures.items():
             at = "" if human.at_speed is None else f"; known at {human.at_speed:g} m/s only"
-            title = _ROWS[name][0].lower()
+            title = _ROWS[name].title.lower()
             titles = rows.setdefault(f"{human.source}; {human.known}{at}", [])
             if title not in titles:
                 titles.append(title)
@@ -272,98 +291,3 @@ def sources_list(found: Sequence[Likeness]) -> str:
         for source, what in rows.items()
     )
     return f"<ul>{items}</ul>"
-
-
-def running_charts(found: Sequence[Likeness]) -> tuple[Chart, ...]:
-    """Curves over the cycle, the phase plot of hip and knee, rise and ground force."""
-    curves = [
-        _curve_chart(name, found) for name in _CURVES if name in ("hip", "knee", "ankle", "trunk")
-    ]
-    more = [_curve_chart(name, found) for name in ("thigh", "foot", "pelvis")]
-    forces = [chart for chart in (_force_chart(found, 0), _force_chart(found, 1)) if chart]
-    return (phase_chart(found), *curves, _rise_chart(found), *forces, *more)
-
-
-def _lines(found: Sequence[Likeness], name: str) -> list[Series]:
-    first, *rest = found
-    share = 100.0 * PHASE
-    lines = [Series(name=first.gait.name, x=share, y=np.degrees(first.gait.curve(name)[0]))]
-    if name in first.people.curves:
-        theirs = np.degrees(first.people.curves[name])
-        lines.append(Series(name=f"people at {first.people.speed:.1f} m/s", x=share, y=theirs))
-    lines += [Series(name=o.gait.name, x=share, y=np.degrees(o.gait.curve(name)[0])) for o in rest]
-    return lines
-
-
-def _curve_chart(name: str, found: Sequence[Likeness]) -> Chart:
-    title, caption = _CURVES[name]
-    return Chart(
-        title=title,
-        caption=f"{caption} Mean over the cycles of both legs.",
-        x_label="Share of the cycle, from touchdown to touchdown [%]",
-        y_label="Angle [deg]",
-        series=tuple(_lines(found, name)),
-    )
-
-
-def phase_chart(found: Sequence[Likeness]) -> Chart:
-    """Knee over hip angle, a loop per gait: figure 6 of Hodgins et al. 1995."""
-    first, *rest = found
-    theirs = f"people at {first.people.speed:.1f} m/s"
-    loops = [(first.gait.name, first.gait), (theirs, None), *((o.gait.name, o.gait) for o in rest)]
-    lines = []
-    for name, gait in loops:
-        hip, knee = (
-            first.people.curves[joint] if gait is None else gait.curve(joint)[0]
-            for joint in ("hip", "knee")
-        )
-        lines.append(Series(name=name, x=np.degrees(hip), y=np.degrees(knee)))
-    return Chart(
-        title="Hip and knee",
-        caption="Knee flexion over hip flexion through one cycle: the phase plot of figure 6 in "
-        "Hodgins et al. 1995.",
-        x_label="Hip flexion [deg]",
-        y_label="Knee flexion [deg]",
-        series=tuple(lines),
-    )
-
-
-def _rise_chart(found: Sequence[Likeness]) -> Chart:
-    return Chart(
-        title="Height of the center of mass",
-        caption="Over its mean in the cycle, drift taken out.",
-        x_label="Share of the cycle, from touchdown to touchdown [%]",
-        y_label="Height [mm]",
-        series=tuple(
-            Series(
-                name=one.gait.name,
-                x=100.0 * PHASE,
-                y=1e3 * np.mean([c.height for c in one.gait.cycles], axis=0),
-            )
-            for one in found
-        ),
-    )
-
-
-def _force_chart(found: Sequence[Likeness], which: int) -> Chart | None:
-    """Upward (0) or forward (1) force over the stance; None where no gait has forces."""
-    lines = []
-    for one in found:
-        force = one.gait.force()
-        if force is not None:
-            lines.append(Series(name=one.gait.name, x=100.0 * PHASE, y=force[which]))
-    if not lines:
-        return None
-    caption = "Of the ground on one foot, mean over the stances, unfiltered."
-    if which == 0:
-        mean = found[0].people.figures["force_mean_bw"].mean
-        half = 0.5 * np.pi * mean * np.sin(np.pi * PHASE)
-        lines.append(Series(name="half sine, people's mean force", x=100.0 * PHASE, y=half))
-    return Chart(
-        title="Upward force" if which == 0 else "Force along the way",
-        caption=caption if which == 0 else f"{caption} Braking is negative.",
-        x_label="Share of the stance [%]",
-        y_label="Force [body weights]",
-        series=tuple(lines),
-        decimals=2,
-    )
