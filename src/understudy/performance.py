@@ -10,7 +10,10 @@ from typing import Any, cast
 
 import numpy as np
 
-from understudy.character import Character, Linkage, retargeted
+from understudy.athletics.course import Course
+from understudy.athletics.gains import Schedule, shipped
+from understudy.athletics.running import TIMESTEP, Running
+from understudy.character import Athlete, Character, Linkage, athlete_man, retargeted
 from understudy.character.body import SelfCollision
 from understudy.character.build import size_doubts
 from understudy.character.soles import planted, standing
@@ -153,6 +156,39 @@ def tracked(
         duration=reference.duration,
         seed=seed,
     )
+
+
+def running(
+    athlete: Athlete | None = None,
+    course: Course | None = None,
+    *,
+    duration: float,
+    schedule: Schedule | None = None,
+    ground: Ground | None = None,
+    timestep: float = TIMESTEP,
+    disturbances: Sequence[Disturbance] = (),
+) -> Performance:
+    """The performance of one athlete running.
+
+    Args:
+        athlete: Who; a man by default.
+        course: Where to and how fast; 3.5 m/s straight on by default.
+        duration: [s].
+        schedule: Gains; by default those that come with the package.
+        ground: By default level.
+        timestep: [s].
+        disturbances: Pushes.
+    """
+    body = athlete_man() if athlete is None else athlete
+    expect(body, Athlete, "athlete", "an Athlete, as `athlete_man` gives")
+    scene = Scene(
+        characters=(body,), ground=Ground() if ground is None else ground, timestep=timestep
+    )
+    controller = Running(
+        course=Course() if course is None else course,
+        schedule=shipped() if schedule is None else schedule,
+    )
+    return Performance(scene=scene, controllers=(controller, *disturbances), duration=duration)
 
 
 def together(

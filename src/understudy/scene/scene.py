@@ -10,7 +10,7 @@ from typing import Any, Literal
 import mujoco
 import numpy as np
 
-from understudy.character import Character, Linkage
+from understudy.character import Athlete, Character, Linkage
 from understudy.character.body import SelfCollision
 from understudy.errors import InvalidValue
 from understudy.scene import touching
@@ -26,10 +26,11 @@ class Part:
     Attributes:
         prefix: Put before its names in the model; empty for the first character.
         qpos: Its slice of qpos: root position (3), then one quaternion per link. For a linkage see
-            `Linkage.coordinates`.
+            `Linkage.coordinates`; of an athlete the root's pose, then one angle per hinge.
         dofs: Its slice of qvel: root velocity (3, world), then 3 per link (link frame).
         bodies: Body id of each link, in link order (of a linkage: in joint order).
-        joint_controls: Address of the quaternion control of each joint but the root, in link order.
+        joint_controls: Address of the quaternion control of each joint but the root, in link order;
+            of an athlete the address of each hinge's torque.
         joint_actuators: Actuator id of each joint but the root.
         root_controls: Addresses of the root servo's controls: x, vx, y, vy, z, vz, then the
             quaternion.
@@ -210,6 +211,18 @@ class Scene:
             return Part(prefix, slice(q, q + nq), slice(v, v + nv), bodies, (), (), (), ())
         links = character.links
         root = links[0].joint
+        if isinstance(character, Athlete):
+            joint = ids(mujoco.mjtObj.mjOBJ_JOINT, [root])[0]
+            q, v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+            nq, nv = character.widths
+            motors = ids(
+                mujoco.mjtObj.mjOBJ_ACTUATOR, [n for own in character.hinge_names for n in own]
+            )
+            controls = tuple(int(model.actuator_ctrladr[a]) for a in motors)
+            bodies = ids(mujoco.mjtObj.mjOBJ_BODY, [link.name for link in links])
+            return Part(
+                *(prefix, slice(q, q + nq), slice(v, v + nv), bodies, controls, motors, (), ())
+            )
         joints = ids(mujoco.mjtObj.mjOBJ_JOINT, ["root_x", root])
         qpos, dofs = int(model.jnt_qposadr[joints[0]]), int(model.jnt_dofadr[joints[0]])
         servos = ids(mujoco.mjtObj.mjOBJ_ACTUATOR, [link.joint for link in links[1:]])

@@ -7,6 +7,7 @@ row is filled; it fills the rest and, where there is feedback, the controls that
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from typing import Any
 
 import mujoco
@@ -138,6 +139,26 @@ def compiled(
     Raises:
         InvalidValue: More laws than the loop has places for.
     """
+    run, _ = looped(performance, model, data, feedback, block, states)
+    for first in range(0, len(block.ctrl), COMPILED_CHUNK):
+        last = min(first + COMPILED_CHUNK, len(block.ctrl))
+        run(first, last)
+        yield last
+
+
+def looped(
+    performance: Performance,
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    feedback: list[Any],
+    block: Controls,
+    states: Array,
+) -> tuple[Callable[[int, int], None], list[Array]]:
+    """A function that runs steps `first` to `last` of gear 2, and every law's memory as it changes.
+
+    Raises:
+        InvalidValue: More laws than the loop has places for.
+    """
     from understudy.control.compiling import compiled, law_signature
     from understudy.simulate import loop
 
@@ -148,7 +169,7 @@ def compiled(
     parts = [controller.feedback(performance.scene, model) for controller in feedback]
     signature = law_signature()
     laws = [compiled(law, signature) for law, _, _ in parts]
-    run: Any = loop.one if len(laws) == 1 else loop.several
+    steps_of: Any = loop.one if len(laws) == 1 else loop.several
     if len(laws) > 1:
         laws += [compiled(loop.idle, signature)] * (loop.MOST_LAWS - len(laws))
     parameters_at, parameters = _joined([p for _, p, _ in parts])
@@ -156,16 +177,17 @@ def compiled(
     assert block.applied is not None
     steps = len(block.ctrl)
     pushes = np.zeros((steps, 0)) if block.pushes is None else block.pushes.reshape(steps, -1)
-    for first in range(0, steps, COMPILED_CHUNK):
-        last = min(first + COMPILED_CHUNK, steps)
+
+    def run(first: int, last: int) -> None:
         rest = (
             *(model._address, data._address, first, last, performance.scene.timestep),
             *(parameters_at, parameters, memory_at, memory),
             *(EngineState.of(data), data.act, data.ctrl, data.qfrc_applied, data.xfrc_applied),
             *(block.ctrl, block.applied, pushes, states),
         )
-        run(*laws, rest)
-        yield last
+        steps_of(*laws, rest)
+
+    return run, [memory[a:b] for a, b in pairwise(memory_at)]
 
 
 def _joined(rows: list[Array]) -> tuple[Any, Array]:
