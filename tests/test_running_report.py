@@ -41,6 +41,7 @@ def average_runner(*, later: float = 0.0, bent: float = 0.0, name: str = "averag
             speed=SPEED,
             acceleration=0.0,
             step_width=0.09,
+            landing=(0.6, -0.6),
             rise=0.077,
             apart=0.1,
             curves=curves,

@@ -135,6 +135,9 @@ def test_the_walk_has_the_timing_it_was_made_with(walk: Gait) -> None:
     # Orendurff et al. 2004: 40 to 48 mm; the sample's pelvis rises 43, its arms and legs less.
     assert 0.03 < figures["com_rise_m"].mean < 0.048
     assert abs(figures["acceleration_m_s2"].mean) < 0.05
+    # A foot that lands is slower than the body above it.
+    assert 0.0 < figures["landing_forward_m_s"].mean < 1.32
+    assert 0.0 < figures["landing_down_m_s"].mean < 0.5
 
 
 def test_the_walk_has_the_curves_it_was_made_from(walk: Gait) -> None:

@@ -8,6 +8,7 @@ Definitions and formulas: docs/evaluation.md.
 
 from understudy.evaluate.certificate import certificate, write_certificate
 from understudy.evaluate.events import ContactEvent, contact_events, contact_force
+from understudy.evaluate.gait import Gait, gait_of
 from understudy.evaluate.measure import Measured, measured
 from understudy.evaluate.outcomes import Outcome, outcomes
 from understudy.evaluate.overlap import overlap
@@ -16,6 +17,7 @@ from understudy.evaluate.score import Score, score
 
 __all__ = [
     "ContactEvent",
+    "Gait",
     "Measured",
     "Outcome",
     "PushEvent",
@@ -23,6 +25,7 @@ __all__ = [
     "certificate",
     "contact_events",
     "contact_force",
+    "gait_of",
     "measured",
     "outcomes",
     "overlap",

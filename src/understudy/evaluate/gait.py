@@ -257,6 +257,8 @@ _FIGURES: dict[str, Callable[[Gait], list[float]]] = {
     "step_rate_hz": _of_cycles(lambda c: c.step_rate),
     "step_length_m": _of_cycles(lambda c: c.step_length),
     "step_width_m": _of_cycles(lambda c: c.step_width),
+    "landing_forward_m_s": _of_cycles(lambda c: c.landing[0]),
+    "landing_down_m_s": _of_cycles(lambda c: -c.landing[1]),
     "com_rise_m": _of_cycles(lambda c: c.rise),
     "legs_apart_m": _of_cycles(lambda c: c.apart),
     "knee_touchdown_deg": _degrees(lambda c: c.angle("knee", 0.0)),

@@ -14,6 +14,8 @@ from understudy.motion.rotations import Array
 
 PHASE = np.arange(101) / 100.0
 """Share of the cycle at which curves are given."""
+# How a foot lands is how it moves this long before [s]: afterward the ground has changed it.
+_JUST = 0.015
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +31,7 @@ class Cycle:
         acceleration: How fast it gains speed over the cycle [m/s2].
         step_width: Lateral distance of this foot's stance from the other's [m]; negative where the
             feet cross the line of travel; None where the other foot does not stand between.
+        landing: Velocity of the ankle just before touchdown, along the way and upward [m/s].
         rise: From the lowest to the highest point of the center of mass, drift taken out [m].
         apart: Least distance of the axes of the two lower legs [m].
         curves: Angles named in `ANGLES` at 0, 1, ... 100 % of the cycle [rad], shape (101,).
@@ -42,6 +45,7 @@ class Cycle:
     speed: float
     acceleration: float
     step_width: float | None
+    landing: tuple[float, float]
     rise: float
     apart: float
     curves: dict[str, Array] = field(repr=False)
@@ -112,6 +116,7 @@ def cycle_of(
         speed=float(np.linalg.norm((ends[1] - ends[0])[:2]) / (after.start_s - here.start_s)),
         acceleration=_gain(mover, frames),
         step_width=_width(mover, here, after, every, ahead),
+        landing=_landing(mover, here, ahead[0]),
         rise=float(np.ptp(height)),
         apart=float(apart[frames].min()),
         curves={name: np.interp(at, times, np.unwrap(curve)) for name, curve in curves.items()},
@@ -142,6 +147,14 @@ def _standing_at(mover: Mover, stance: Stance) -> Array:
     """Where a foot is in the middle of its stance: midway from ankle to ball [m]."""
     middle = 0.5 * (mover.at(f"{stance.side}_ankle") + mover.forefoot(stance.side))
     return _sampled(mover.times, middle, stance.middle_s)
+
+
+def _landing(mover: Mover, stance: Stance, ahead: Array) -> tuple[float, float]:
+    """Velocity of the ankle over the time just before touchdown, along the way and upward [m/s]."""
+    path, span = mover.at(f"{stance.side}_ankle"), min(_JUST, stance.start_s - mover.times[0])
+    before, at = (_sampled(mover.times, path, stance.start_s - back) for back in (span, 0.0))
+    velocity = (at - before) / max(span, 1e-9)
+    return float(velocity @ ahead), float(velocity[2])
 
 
 def _gain(mover: Mover, frames: slice) -> float:

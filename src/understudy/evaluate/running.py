@@ -219,6 +219,8 @@ _ROWS = {
     "step_width_m": _Row("Step width", "mm", 1e3, 0),
     "com_rise_m": _Row("Rise of the center of mass", "mm", 1e3, 0),
     "legs_apart_m": _Row("Lower legs apart, least", "mm", 1e3, 0),
+    "landing_forward_m_s": _Row("Ankle, forward at touchdown", "m/s", 1.0, 1),
+    "landing_down_m_s": _Row("Ankle, downward at touchdown", "m/s", 1.0, 1),
     "knee_touchdown_deg": _Row("Knee at touchdown", "°", 1.0, 0),
     "knee_stance_peak_deg": _Row("Knee, most in stance", "°", 1.0, 0),
     "knee_toe_off_deg": _Row("Knee at toe-off", "°", 1.0, 0),
