@@ -241,6 +241,14 @@ def test_what_has_no_legs_has_no_gait() -> None:
         gait_of("walk.bvh")  # pyright: ignore[reportArgumentType]
 
 
+def test_a_linkage_is_measured_by_its_clip() -> None:
+    clip = us.sample("walk").trimmed(0.0, 0.6)
+    take = us.simulate(us.driven(clip, us.Linkage.from_clip(clip)))
+    with pytest.raises(InvalidValue, match=r"take\.clip\(\)"):
+        gait_of(take)
+    assert gait_of(take.clip()).stances
+
+
 @pytest.mark.clips
 @pytest.mark.parametrize("name", ["02_03", "35_17"])
 def test_captured_runners_fall_freely_while_no_foot_stands(clips: Path, name: str) -> None:
@@ -266,3 +274,16 @@ def test_captured_runners_run_as_people_do(clips: Path) -> None:
         assert 0.05 < figures["com_rise_m"].mean < 0.12
     start = gait_of(us.read(clips / "cmu_asfamc" / "127_03.amc"))
     assert start.runs and start.figures()["acceleration_m_s2"].mean > 1.5  # from standing
+
+
+@pytest.mark.clips
+def test_captured_walkers_walk_as_people_do(clips: Path) -> None:
+    # Winiarski et al. 2019: 101 to 116 steps a minute and a duty factor of .645 to .629 at 1.04 to
+    # 1.32 m/s; Orendurff et al. 2004: the body rises by less than 48 mm.
+    for name in ("02_01", "35_01"):
+        gait = gait_of(us.read(clips / "cmu_bvh" / f"{name}.bvh"))
+        figures = gait.figures()
+        assert not gait.runs and len(gait.cycles) == 4
+        assert figures["duty"].mean == pytest.approx(0.637, abs=0.02)
+        assert figures["step_rate_hz"].mean == pytest.approx(1.81, abs=0.13)
+        assert figures["com_rise_m"].mean < 0.048

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from understudy.character import Character
+from understudy.character import Character, Linkage
 from understudy.character.retarget import retargeted
 from understudy.character.soles import sole_points, standing
 from understudy.errors import InvalidValue
@@ -137,6 +137,10 @@ def of_measured(m: Measured, character: int = 0) -> Mover:
         InvalidValue: No person with two legs.
     """
     who = m.performer(character)
+    if isinstance(who.character, Linkage):
+        raise InvalidValue(
+            f"{who.character.name}: is a linkage of rigid bodies; measure the gait of take.clip()."
+        )
     roles = _roles(who.character, who.character.name)
     gravity = 9.81
     every = max(1, round(m.rate / NEEDED))
