@@ -2,7 +2,8 @@
 
 In comes a `Take`; out go `Score` (how well it tracks and how physical it is), the certificate (the
 same as a JSON document, with a sentence that says what it means), `Measured` (forces, torques and
-energy frame by frame), contact events (what touched what, when and how hard), pushes and charts.
+energy frame by frame), contact events (what touched what, when and how hard), pushes, gait and
+charts. `people` and `running` hold a gait against published measurements.
 Definitions and formulas: docs/evaluation.md.
 """
 
