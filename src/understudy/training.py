@@ -19,12 +19,12 @@ import numpy as np
 
 from understudy.athletics import running_law as law
 from understudy.athletics.course import Course
-from understudy.athletics.gains import NAMES, Gains, Schedule
+from understudy.athletics.gains import Gains, Schedule
 from understudy.athletics.running import TIMESTEP, Running, steady_state
 from understudy.athletics.running_judge import Judge, report
 from understudy.character import Athlete, athlete_man
 from understudy.control import Push
-from understudy.errors import InvalidValue, UnderstudyError, require
+from understudy.errors import UnderstudyError, UnknownName, require
 from understudy.motion.files import written
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
@@ -91,18 +91,18 @@ WEIGHTS: dict[str, float] = {
     "lean": 8.0,
     "near": 60.0,
     "stance": 25.0,
-    "period": 1.5,
-    "landing_knee": 4.0,
+    "period": 2.0,
+    "landing_knee": 6.0,
     "stance_knee": 4.0,
     "swing_knee": 2.0,
     "toe_off_knee": 3.0,
     "plantarflexion": 4.0,
     "thigh_back": 3.0,
     "peak": 1.0,
-    "impact": 1.5,
+    "impact": 3.0,
     "travel": 8.0,
 }
-_FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 2.0, 3.0, 1.0, 0.05, 6.0
+_FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 2.5, 4.0, 1.0, 0.05, 6.0
 _WORST = 0.3  # share of the worst scenario besides the mean
 _OUTSIDE = 10.0  # per squared overshoot of a bound
 _FRICTION, _TURN, _PUSH = (0.7, 1.1), 0.4, 60.0
@@ -195,13 +195,14 @@ def cost_of(seen: Mapping[str, float], duration: float) -> float:
 
 
 class Space:
-    """The searched gains as numbers of 0 to 1."""
+    """The searched gains as numbers of 0 to 1; the others stay as they are in `start`."""
 
-    def __init__(self, bounds: Mapping[str, tuple[float, float, float, float]] = BOUNDS):
-        low, high, self.keys = [], [], []
-        for name, (least, most, least_slope, most_slope) in bounds.items():
-            if name not in NAMES:
-                raise InvalidValue(f"BOUNDS has {name!r}, which is no gain.")
+    def __init__(self, start: Schedule, names: Sequence[str] = ()):
+        low, high, self.keys, self.start = [], [], [], start
+        for name in names or BOUNDS:
+            if name not in BOUNDS:
+                raise UnknownName("gain", name, BOUNDS)
+            least, most, least_slope, most_slope = BOUNDS[name]
             self.keys.append((name, "gain"))
             low.append(least)
             high.append(most)
@@ -222,7 +223,7 @@ class Space:
     def schedule(self, numbers: Array) -> Schedule:
         """Numbers, cut to 0 to 1, as a schedule."""
         values = self.low + np.clip(numbers, 0.0, 1.0) * (self.high - self.low)
-        gains, slopes = {}, {}
+        gains, slopes = vars(self.start.gains).copy(), dict(self.start.slopes)
         for (name, kind), value in zip(self.keys, values.tolist(), strict=True):
             (gains if kind == "gain" else slopes)[name] = value
         return Schedule(gains=Gains(**gains), slopes=slopes)
@@ -244,6 +245,7 @@ class Trained:
 def train(
     start: Schedule,
     *,
+    names: Sequence[str] = (),
     body: Athlete | None = None,
     evaluations: int = 2000,
     population: int = 20,
@@ -257,6 +259,7 @@ def train(
 
     Args:
         start: Where the search begins.
+        names: Gains to search, with their slopes; all by default.
         body: Who runs; a man by default.
         evaluations: Candidates to try, those of the checkpoint included.
         population: Candidates of a generation.
@@ -272,9 +275,14 @@ def train(
     """
     cma = require("cma", extra="search")
     athlete = athlete_man() if body is None else body
-    space = Space()
-    settings = {"population": population, "seed": seed, "body": athlete.name, "sigma": sigma}
-    settings["keys"] = len(space.keys)
+    space = Space(start, names)
+    settings: dict[str, Any] = {
+        "population": population,
+        "seed": seed,
+        "body": athlete.name,
+        "sigma": sigma,
+    }
+    settings["gains"] = ", ".join(f"{name} {kind}" for name, kind in space.keys)
     saved = _read(checkpoint, settings)
     history: list[dict[str, float]] = list(saved.get("history", []))
     mean = np.array(saved["mean"]) if saved else space.numbers(start)

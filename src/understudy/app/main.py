@@ -30,6 +30,8 @@ COMMANDS = {
     "info": "Say what is in a clip: skeleton, rate, roles, repairs, the body it would get.",
     "convert": "Read a clip, edit it if asked, and write it in another format.",
     "tune": "Search for the servo stiffness that follows a clip best.",
+    "athlete": "Simulate an athlete that runs, with no clip: only a controller and a body.",
+    "train": "Search an athlete's gains over many scenarios.",
     "vary": "Make a family of varied, physically simulated motions from one clip.",
     "score": "Print the certificate of a saved take.",
     "render": "Make a video, a contact sheet or an HTML player from a saved take.",

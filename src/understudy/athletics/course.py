@@ -37,7 +37,7 @@ C_TABLE = 9
 COURSE_MEMORY = 9
 # The means run over about two steps [s]; the heading closes on a path's in this time [s].
 _MEAN, _CLOSING = 0.7, 0.35
-_MOST_BIAS, _MOST_SIDE, _MOST_AIM = 0.6, 0.4, 0.35
+_MOST_BIAS, _MOST_SIDE, _MOST_AIM = 1.5, 0.4, 0.35
 # Points of a path lie this far apart [m].
 _SPACING = 0.5
 
@@ -208,7 +208,7 @@ class Course:
         """What the law reads; see the module."""
         head = np.zeros(C_TABLE)
         head[C_ACCELERATION], head[C_TURNING] = self.acceleration, self.turning
-        head[C_SPEED_GAIN], head[C_SIDE_GAIN] = 0.25, 0.25
+        head[C_SPEED_GAIN], head[C_SIDE_GAIN] = 0.5, 0.25
         head[C_PATH_GAIN], head[C_PATH_SUM] = 0.20, 0.05
         table = np.stack((self.times, self.speeds, self.headings), axis=1)
         points = self._points()

@@ -80,7 +80,7 @@ class Gains:
         waist_lean: Forward lean of the chest over the pelvis.
     """
 
-    touchdown_knee: float = 0.5709
+    touchdown_knee: float = 0.54
     touchdown_foot: float = 0.3541
     speed_place: float = 0.1233
     side_place: float = 0.05978
@@ -90,14 +90,14 @@ class Gains:
     speed_matching: float = 0.1323
     knee_stiffness: float = 328.7
     knee_damping: float = 14.32
-    knee_rest: float = 0.4325
-    knee_rest_thrust: float = 0.4376
+    knee_rest: float = 0.4
+    knee_rest_thrust: float = 0.3
     thrust_at: float = 0.2864
     heel_ankle: float = -0.0435
     heel_stiffness: float = 237.9
     flat_ankle: float = 0.2
     flat_stiffness: float = 601.6
-    thrust_ankle: float = -0.3182
+    thrust_ankle: float = -0.45
     thrust_stiffness: float = 406.5
     thrust_time: float = 0.05464
     ankle_damping: float = 8.39

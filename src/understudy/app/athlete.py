@@ -1,0 +1,216 @@
+"""`understudy athlete`: a motion that needs no clip."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from tyro.conf import Positional, arg
+
+from understudy.app.outcome import Outcome, plain, table
+from understudy.app.performing import ready, staged
+from understudy.errors import InvalidValue, UnderstudyError
+
+if TYPE_CHECKING:
+    from understudy.athletics.course import Course
+    from understudy.performance import Performance
+
+EXAMPLE = """\
+  understudy athlete running --speed 3.5 --seconds 20 --out out
+  understudy athlete running --speed 0:2.5,8:5,16:2.5 --seconds 20 --stills
+  understudy athlete running --path track-400m --speed 4 --seconds 110
+  understudy athlete running --heading 0:0,5:0,8.1:90 --push 12:0,70 --seconds 16"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """Simulate an athlete that runs, with no clip: only a controller, a body and the ground.
+
+    Writes NAME.bvh, NAME.glb, NAME.take.npz and NAME.json (what was measured).
+
+    Attributes:
+        behavior: running (Hodgins et al. 1995).
+        speed: Meters per second, or TIME:SPEED,TIME:SPEED,... with straight lines in between.
+        seconds: How long.
+        heading: Facing direction in degrees, left positive; or TIME:DEGREES,...
+        path: File of points to run along, a line of X Y in meters each; or track-400m.
+        character: man or woman.
+        push: TIME:FORWARD,LEFT in N s at the chest, in the world; may be given again.
+        friction: Of the ground.
+        timestep: Physics step [s].
+        name: Stem of the files.
+        out: Folder for the files.
+        stills: Also NAME.png, poses from the side.
+        video: Also NAME.mp4.
+        json: Print one JSON object.
+    """
+
+    behavior: Positional[Annotated[Literal["running"], arg(metavar="BEHAVIOR")]]
+    speed: Annotated[str, arg(metavar="V")] = "3.5"
+    seconds: Annotated[float, arg(metavar="S")] = 20.0
+    heading: Annotated[str, arg(metavar="DEG")] = "0"
+    path: Annotated[str | None, arg(metavar="FILE", help_behavior_hint="(default: none)")] = None
+    character: Literal["man", "woman"] = "man"
+    push: Annotated[
+        tuple[str, ...], arg(metavar="T:X,Y", help_behavior_hint="(default: none)")
+    ] = ()
+    friction: Annotated[float, arg(metavar="MU")] = 1.0
+    timestep: Annotated[float, arg(metavar="S")] = 0.001
+    name: Annotated[str, arg(metavar="NAME")] = "running"
+    out: Annotated[Path, arg(metavar="DIR")] = Path()
+    stills: bool = False
+    video: bool = False
+    json: bool = False
+
+
+def run(options: Options) -> Outcome:
+    """Simulate, measure and write."""
+    import understudy as us
+    from understudy.athletics.running_judge import Judge, report
+    from understudy.simulate.trials import judged
+
+    performance = _performance(options)
+    ready(options.out)
+    (running, *_) = performance.controllers
+    seen, _ = judged(performance, Judge(running=running))  # type: ignore[arg-type]
+    found = _figures(options, report(seen))
+    if found["fell_at_s"] is not None:
+        performance = _until(performance, found["fell_at_s"])
+    take = us.simulate(performance, progress=True)
+    with staged(options.out, options.name) as (folder, files):
+        stem = folder / options.name
+        endings = [".bvh", ".glb", ".take.npz"]
+        endings += [".png"] * options.stills + [".mp4"] * options.video
+        us.write(take, *(f"{stem}{ending}" for ending in endings))
+        text = json.dumps(plain(found), indent=2)
+        Path(f"{stem}.json").write_text(text + "\n", encoding="utf-8")
+    status = 0 if found["fell_at_s"] is None else 1
+    return Outcome(result=found | {"files": files}, text=_summary(found, files), status=status)
+
+
+def _performance(options: Options) -> Performance:
+    from understudy.character import athlete
+    from understudy.control import Push
+    from understudy.performance import running
+    from understudy.scene import Ground
+
+    pushes = []
+    for word in options.push:
+        time, forward, left = _numbers("--push", word, "TIME:FORWARD,LEFT", 3)
+        pushes.append(Push(time=time, impulse=(forward, left, 0.0)))
+    return running(
+        athlete(options.character),
+        _course(options),
+        duration=options.seconds,
+        ground=Ground(friction=options.friction),
+        timestep=options.timestep,
+        disturbances=pushes,
+    )
+
+
+def _course(options: Options) -> Course:
+    import numpy as np
+
+    from understudy.athletics.course import Course, track_400m
+
+    speeds, headings = _steps("--speed", options.speed), _steps("--heading", options.heading)
+    times = sorted({time for time, _ in (*speeds, *headings)})
+    rows = [
+        np.interp(times, [time for time, _ in steps], [value for _, value in steps])
+        for steps in (speeds, headings)
+    ]
+    path, closed = np.zeros((0, 2)), False
+    if options.path == "track-400m":
+        path, closed = track_400m(), True
+    elif options.path is not None:
+        path = _points(Path(options.path))
+        closed = len(path) > 3 and bool(np.linalg.norm(path[0] - path[-1]) < 1.0)
+        path = path[:-1] if closed else path
+    return Course(
+        times=np.array(times),
+        speeds=rows[0],
+        headings=np.radians(rows[1]),
+        path=path,
+        closed=closed,
+    )
+
+
+def _steps(option: str, word: str) -> list[tuple[float, float]]:
+    """One number, or TIME:NUMBER,TIME:NUMBER,..."""
+    if ":" not in word:
+        return [(0.0, _numbers(option, word, "a number", 1)[0])]
+    return [
+        tuple(_numbers(option, part, "TIME:NUMBER,TIME:NUMBER,...", 2))  # type: ignore[misc]
+        for part in word.split(",")
+    ]
+
+
+def _numbers(option: str, word: str, form: str, count: int) -> list[float]:
+    try:
+        found = [float(part) for part in word.replace(":", ",").split(",")]
+    except ValueError:
+        found = []
+    if len(found) != count:
+        raise InvalidValue(f"{option} is {word!r}; it must be {form}.")
+    return found
+
+
+def _points(file: Path) -> Any:
+    import numpy as np
+
+    try:
+        rows = [
+            [float(number) for number in line.replace(",", " ").split()]
+            for line in file.read_text(encoding="utf-8").splitlines()
+            if line.strip() and not line.startswith("#")
+        ]
+    except (ValueError, UnicodeDecodeError) as error:
+        raise UnderstudyError(f"{file}: a line is not X Y in meters ({error}).") from None
+    if len(rows) < 2 or any(len(row) != 2 for row in rows):
+        raise UnderstudyError(f"{file}: needs two lines or more, each with X and Y in meters.")
+    return np.array(rows)
+
+
+def _until(performance: Performance, time: float) -> Performance:
+    from dataclasses import replace
+
+    return replace(performance, duration=max(time, performance.scene.timestep))
+
+
+def _figures(options: Options, seen: dict[str, float]) -> dict[str, Any]:
+    """What was measured, by name with its unit."""
+    import math
+
+    step = seen["mean_period"]
+    degrees = {
+        "knee_at_touchdown_deg": seen["mean_landing_knee"],
+        "knee_in_swing_deg": seen["mean_swing_knee"],
+        "plantarflexion_at_toe_off_deg": seen["mean_plantarflexion"],
+        "trunk_lean_deg": seen["mean_lean"],
+        "heading_rms_deg": math.sqrt(seen["heading"]),
+    }
+    return {
+        "behavior": options.behavior,
+        "character": options.character,
+        "fell_at_s": seen["time"] if seen["fell"] else None,
+        "mean_speed_m_s": seen["mean_speed"],
+        "stance_s": seen["mean_stance"],
+        "flight_s": step - seen["mean_stance"],
+        "steps_per_s": 1.0 / step if step > 0 else math.nan,
+        "vertical_travel_m": seen["mean_travel"],
+        "peak_force_body_weights": seen["mean_peak"],
+        "impact_body_weights": seen["mean_impact"],
+        "legs_apart_least_m": seen["nearest"],
+        **{name: math.degrees(value) for name, value in degrees.items()},
+    }
+
+
+def _summary(found: dict[str, Any], files: dict[str, str]) -> str:
+    rows = [("measured", "value")]
+    for name, value in found.items():
+        shown = f"{value:.3f}" if isinstance(value, float) else "no" if value is None else value
+        rows.append((name.replace("_", " "), str(shown)))
+    listed = [f"  {path}" for path in files.values()]
+    return "\n".join([table(rows, right=[1]), "", "files:", *listed])
