@@ -105,7 +105,7 @@ WEIGHTS: dict[str, float] = {
 _FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 2.5, 4.0, 1.0, 0.05, 6.0
 _WORST = 0.3  # share of the worst scenario besides the mean
 _OUTSIDE = 10.0  # per squared overshoot of a bound
-_FRICTION, _TURN, _PUSH = (0.7, 1.1), 0.4, 60.0
+_FRICTION, _TURN, _PUSH = (0.7, 1.0), 0.4, 60.0
 
 
 @dataclass(frozen=True, kw_only=True)

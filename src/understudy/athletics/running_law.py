@@ -70,9 +70,11 @@ HIP_X, HIP_Y, HIP_ZH, KNEE, ANKLE_H, BALL = range(6)
 # Fastest change of a desired angle that a servo is told [rad/s].
 _FASTEST = 15.0
 # Servos that are not searched: hip z, ankle in the air, shoulder, elbow, neck, wrist.
-_HIP_Z, _AIR_ANKLE, _SHOULDER, _ELBOW = (150.0, 8.0), (80.0, 3.0), (70.0, 3.0), (40.0, 2.0)
+_HIP_Z, _AIR_ANKLE, _SHOULDER, _ELBOW = (150.0, 8.0), (80.0, 3.0), (70.0, 3.0), (50.0, 2.0)
 _NECK, _WRIST = 60.0, 3.0
-_ARM_OUT, _ELBOW_BENT, _ELBOW_SWING = 0.15, 1.5, 0.2
+_ARM_OUT, _ELBOW_BENT, _ELBOW_SWING = 0.15, 1.75, 0.2
+# How much of the trunk's lean the neck takes back.
+_LEVEL = 0.8
 
 
 def runner(time, state, ctrl, applied, p, m):  # type: ignore[no-untyped-def]
@@ -107,7 +109,7 @@ def runner(time, state, ctrl, applied, p, m):  # type: ignore[no-untyped-def]
     _idle(time, state, ctrl, p, m, idle, active_x, active_y, roll)
     if state_of(m) != FLIGHT:
         _attitude(state, ctrl, p, m, leg, body, wanted)
-    _upper_body(state, ctrl, p, m)
+    _upper_body(state, ctrl, p, m, pitch)
 
 
 # -- the state machine (figure 3) --------------------------------------------------------------
@@ -347,7 +349,7 @@ def _idle(time, state, ctrl, p, m, leg, active_x, active_y, roll):  # type: igno
 # -- arms, waist, neck -------------------------------------------------------------------------
 
 
-def _upper_body(state, ctrl, p, m):  # type: ignore[no-untyped-def]
+def _upper_body(state, ctrl, p, m, pitch):  # type: ignore[no-untyped-def]
     """Arms swing with the opposite hip (equation 5); the waist turns against the hips."""
     left, right = _angle(state, p, LEFT_LEG + HIP_Y), _angle(state, p, RIGHT_LEG + HIP_Y)
     _arm(state, ctrl, p, m, LEFT_ARM, right, 1.0)
@@ -357,8 +359,11 @@ def _upper_body(state, ctrl, p, m):  # type: ignore[no-untyped-def]
     _put(ctrl, p, WAIST, -k * _angle(state, p, WAIST))
     _put(ctrl, p, WAIST + 1, k * (m[M_GAINS + WAIST_LEAN] - _angle(state, p, WAIST + 1)))
     _put(ctrl, p, WAIST + 2, 0.5 * k * (turn - _angle(state, p, WAIST + 2)))
-    for i in range(3):
+    for i in range(0, 3, 2):
         _put(ctrl, p, NECK + i, -_NECK * _angle(state, p, NECK + i))
+    # The head looks ahead, however far the trunk leans.
+    ahead = -_LEVEL * (pitch + _angle(state, p, WAIST + 1))
+    _put(ctrl, p, NECK + 1, _NECK * (ahead - _angle(state, p, NECK + 1)))
 
 
 def _arm(state, ctrl, p, m, arm, hip, outward):  # type: ignore[no-untyped-def]

@@ -1,0 +1,65 @@
+"""The commands athlete and train."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import understudy as us
+from understudy.app import athlete
+from understudy.app.main import main
+from understudy.errors import InvalidValue
+
+
+def test_a_run_is_written_measured_and_can_be_read_again(tmp_path, capsys):
+    words = ["athlete", "running", "--speed", "3.5", "--seconds", "2", "--out", str(tmp_path)]
+    assert main([*words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["fell_at_s"] is None
+    assert found["mean_speed_m_s"] == pytest.approx(3.5, abs=0.4)
+    take = us.load_take(tmp_path / "running.take.npz")
+    assert take.duration == pytest.approx(2.0)
+    clip = us.read(tmp_path / "running.bvh")
+    assert clip.root_positions[-1, 0] > 5.0
+
+
+def test_a_fall_is_said_and_the_take_ends_there(tmp_path, capsys):
+    words = ["athlete", "running", "--seconds", "4", "--push", "1:0,900", "--out", str(tmp_path)]
+    assert main([*words, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert 1.0 < found["fell_at_s"] < 3.0
+
+
+def test_a_path_is_read_from_a_file(tmp_path):
+    file = tmp_path / "path.txt"
+    file.write_text("# a corner\n0 0\n10 0\n10, 10\n")
+    course = athlete._course(athlete.Options(behavior="running", path=str(file)))
+    assert course.path == pytest.approx(np.array([[0, 0], [10, 0], [10, 10]]))
+    assert not course.closed
+
+
+def test_speeds_and_headings_over_time_share_one_table():
+    options = athlete.Options(behavior="running", speed="0:2.5,4:5", heading="0:0,2:90")
+    course = athlete._course(options)
+    assert course.times.tolist() == [0.0, 2.0, 4.0]
+    assert course.speeds == pytest.approx([2.5, 3.75, 5.0])
+    assert np.degrees(course.headings) == pytest.approx([0.0, 90.0, 90.0])
+
+
+@pytest.mark.parametrize("word", ["fast", "0:2.5,4", "1:2:3"])
+def test_a_speed_that_is_none_says_what_it_may_be(word):
+    with pytest.raises(InvalidValue, match="--speed"):
+        athlete._course(athlete.Options(behavior="running", speed=word))
+
+
+def test_training_writes_gains_with_the_command_that_made_them(tmp_path, capsys):
+    pytest.importorskip("cma")
+    words = ["train", "running", "--gains", "pitch", "--evaluations", "4", "--population", "4"]
+    assert main([*words, "--seed", "5", "--out", str(tmp_path), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    saved = json.loads((tmp_path / "running.json").read_text())
+    assert saved["origin"]["seed"] == 5
+    assert "--gains pitch" in saved["origin"]["command"] == found["origin"]["command"]
+    assert set(saved["gains"]) > {"pitch", "knee_stiffness"}
