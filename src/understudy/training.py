@@ -99,13 +99,13 @@ WEIGHTS: dict[str, float] = {
     "plantarflexion": 4.0,
     "thigh_back": 3.0,
     "peak": 1.0,
-    "impact": 3.0,
+    "impact": 2.0,
     "travel": 8.0,
 }
 _FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 2.5, 4.0, 1.0, 0.05, 6.0
 _WORST = 0.3  # share of the worst scenario besides the mean
 _OUTSIDE = 10.0  # per squared overshoot of a bound
-_FRICTION, _TURN, _PUSH = (0.7, 1.0), 0.4, 60.0
+_FRICTION, _TURN, _PUSH = (0.7, 1.0), 0.4, 80.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,7 +117,7 @@ class Scenario:
         course: What is asked for.
         duration: [s].
         friction: Of the ground.
-        push: Impulse on the chest [N s], world, or None.
+        push: Impulse on the pelvis [N s], world, or None.
         pushed: When [s].
     """
 
@@ -173,7 +173,11 @@ def rehearsed(
     running = Running(course=scenario.course, schedule=schedule)
     ground = Ground(friction=scenario.friction)
     scene = Scene(characters=(body,), ground=ground, timestep=timestep)
-    pushes = () if scenario.push is None else (Push(time=scenario.pushed, impulse=scenario.push),)
+    pushes = (
+        ()
+        if scenario.push is None
+        else (Push(time=scenario.pushed, on="pelvis", impulse=scenario.push),)
+    )
     performance = Performance(
         scene=scene, controllers=(running, *pushes), duration=scenario.duration
     )

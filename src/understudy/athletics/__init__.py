@@ -1,4 +1,5 @@
-"""Controllers that need no clip: athletes. None is here yet.
+"""Controllers that need no clip: athletes, so far one that runs.
 
-In: a desired velocity and facing direction. Out: controls for `simulate`.
+In: a desired speed and facing direction, or a path (`course`), and a body. Out: controls for
+`simulate`.
 """
