@@ -118,6 +118,11 @@ def tracked(
     """
     expect(clip, Clip, "clip", "a Clip, as `read` gives")
     expect(character, Character, "character", "a Character, as `Character.from_clip` gives")
+    if isinstance(character, Athlete):
+        raise InvalidValue(
+            f"{character.name!r} has hinges with motors; a clip is tracked by a body with ball "
+            "joints, such as adult_man()."
+        )
     _check_names(tracked, Tracking, settings)
     clean = clip.repaired()
     floor = None if ground is None or ground.level else ground

@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from understudy.character import Athlete, Linkage
+from understudy.character import Linkage
 from understudy.errors import InvalidValue
 from understudy.motion.clip import Clip, Conventions
 from understudy.motion.edits import sampled
@@ -109,13 +109,9 @@ class Take:
         body = self.scene.characters[character]
         if isinstance(body, Linkage):
             return self._linkage_clip(body, state, reference, every)
-        if isinstance(body, Athlete):
-            turned = body.local_rotations(state)
-        else:
-            turned = state[:, 3:].reshape(len(state), -1, 4)
         return Clip(
             skeleton=body.skeleton,
-            rotations=turned,
+            rotations=body.local_rotations(state),
             root_positions=state[:, :3],
             rate=self.rate / every,
             name=f"{reference.name}_sim" if reference is not None else body.name,

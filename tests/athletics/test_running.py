@@ -139,6 +139,14 @@ def test_a_take_becomes_a_clip(performance):
     assert clip.root_positions[-1, 0] > 3.0
 
 
+def test_nothing_but_the_ground_holds_a_runner(performance):
+    import understudy as us
+
+    found = us.score(simulate(performance))
+    assert found.root_force_mean_percent == 0.0
+    assert found.torque_peak_joint.split("_")[1] in ("hip", "knee", "ankle")
+
+
 def test_gains_keep_the_order_the_law_reads_them_in():
     for k, name in enumerate(NAMES):
         assert getattr(law, name.upper()) == k

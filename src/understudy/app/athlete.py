@@ -28,7 +28,7 @@ EXAMPLE = """\
 class Options:
     """Simulate an athlete that runs, with no clip: only a controller, a body and the ground.
 
-    Writes NAME.bvh, NAME.glb, NAME.take.npz and NAME.json (what was measured).
+    Writes NAME.bvh, NAME.glb, NAME.take.npz, NAME.html (report) and NAME.json (what was measured).
 
     Attributes:
         behavior: running (Hodgins et al. 1995).
@@ -84,6 +84,7 @@ def run(options: Options) -> Outcome:
         endings = [".bvh", ".glb", ".take.npz"]
         endings += [".png"] * options.stills + [".mp4"] * options.video
         us.write(take, *(f"{stem}{ending}" for ending in endings))
+        us.write_report(take, f"{stem}.html")
         text = json.dumps(plain(found), indent=2)
         Path(f"{stem}.json").write_text(text + "\n", encoding="utf-8")
     status = 0 if found["fell_at_s"] is None else 1

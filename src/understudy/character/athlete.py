@@ -154,6 +154,17 @@ class Athlete(Character):
             out.append(rot.rotate(rot.conjugate(turned[i]), given))
         return tuple(out)
 
+    @cached_property
+    def hinge_axes(self) -> Array:
+        """Axis of every hinge at its joint, zero elsewhere, shape (hinges, joints, 3)."""
+        out = np.zeros((self.controlled_dof, len(self.links) - 1, 3))
+        number = 0
+        for i, axes in enumerate(self.axes):
+            for axis in axes:
+                out[number, i - 1] = axis
+                number += 1
+        return out
+
     def torque_range(self, link: int, hinge: int) -> tuple[float, float]:
         """Least and greatest torque of a hinge [N m]: `strength`, times `IN_MOTION`."""
         role = self.links[link].role or ""
@@ -165,14 +176,7 @@ class Athlete(Character):
         return (-low, high) if axis[along] > 0 else (-high, low)
 
     def local_rotations(self, coordinates: Array) -> Array:
-        """Local rotations of the skeleton's joints from engine coordinates.
-
-        Args:
-            coordinates: Rows of qpos, shape (frames, 37).
-
-        Returns:
-            wxyz, shape (frames, links, 4).
-        """
+        """Local joint rotations from engine coordinates, the root's pose and 30 angles a row."""
         out = np.tile(self.rests, (len(coordinates), 1, 1))
         out[:, 0] = coordinates[:, 3:7]
         column = 7

@@ -242,6 +242,17 @@ class Character:
             end_offsets=np.array([end for _, end in ends]).reshape(-1, 3),
         )
 
+    def local_rotations(self, coordinates: Array) -> Array:
+        """Local joint rotations from engine coordinates.
+
+        Args:
+            coordinates: Rows of the character's part of qpos, shape (frames, numbers).
+
+        Returns:
+            wxyz, shape (frames, links, 4).
+        """
+        return coordinates[:, 3:].reshape(len(coordinates), -1, 4)
+
     def spec(
         self, *, self_collision: SelfCollision = "off", limits: Limits = "off"
     ) -> mujoco.MjSpec:

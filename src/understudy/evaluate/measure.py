@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from understudy.character import Athlete
 from understudy.errors import InvalidValue
 from understudy.evaluate.contacts import Contacts, Integers, Recorder
 from understudy.evaluate.owners import Owners, owners
@@ -140,12 +141,23 @@ class Measured:
     def joint_torques(self, character: int = 0) -> Array:
         """Torque vector of every joint but the root [N m], outboard frame, (frames, joints, 3)."""
         dofs = self.performer(character).dofs
-        return self.torque[:, dofs][:, 6:].reshape(self.frames, -1, 3)
+        return self._by_joint(self.torque[:, dofs][:, 6:], character)
 
     def joint_powers(self, character: int = 0) -> Array:
         """Power of every joint but the root [W], shape (frames, joints)."""
         dofs = self.performer(character).dofs
-        return self.power[:, dofs][:, 6:].reshape(self.frames, -1, 3).sum(axis=2)
+        own = self.power[:, dofs][:, 6:]
+        body = self.performer(character).character
+        if isinstance(body, Athlete):
+            return own @ np.abs(body.hinge_axes).sum(axis=2)
+        return self._by_joint(own, character).sum(axis=2)
+
+    def _by_joint(self, own: Array, character: int) -> Array:
+        """Numbers of the joints' degrees of freedom as vectors, shape (frames, joints, 3)."""
+        body = self.performer(character).character
+        if isinstance(body, Athlete):
+            return np.einsum("fh,hjk->fjk", own, body.hinge_axes)
+        return own.reshape(self.frames, -1, 3)
 
     def root_force(self, character: int = 0) -> Array:
         """Outside force on the root [N], world, shape (frames, 3); zero when nothing holds it."""

@@ -196,7 +196,7 @@ def motion(take: Take, m: Measured, character: int = 0) -> Clip:
     state = take.qpos[m.steps][:, who.coordinates]
     return Clip(
         skeleton=who.character.skeleton,
-        rotations=state[:, 3:].reshape(m.frames, -1, 4),
+        rotations=who.character.local_rotations(state),
         root_positions=state[:, :3],
         rate=m.rate,
     )
