@@ -134,7 +134,13 @@ def simulated(
     part = SimpleNamespace(
         bodies=(1, 2), qpos=slice(0, 11), dofs=slice(0, 9), root_actuators=(1, 2, 3, 4)
     )
-    character = SimpleNamespace(name="box", links=links, skeleton=skeleton, height=1.5)
+    character = SimpleNamespace(
+        name="box",
+        links=links,
+        skeleton=skeleton,
+        height=1.5,
+        local_rotations=lambda rows: rows[:, 3:].reshape(len(rows), -1, 4),
+    )
     qpos_, qvel_, ctrl, applied, outside = (np.array(row) for row in rows)
     return SimpleNamespace(
         scene=SimpleNamespace(
