@@ -10,7 +10,7 @@ import pytest
 from understudy.athletics.gains import NAMES, Schedule, shipped
 from understudy.character import athlete_man
 from understudy.errors import UnderstudyError
-from understudy.training import BOUNDS, Space, cost_of, rehearsed, scenarios, train
+from understudy.training import BOUNDS, Space, cost_of, first_scenarios, rehearsed, scenarios, train
 
 
 def test_every_gain_has_bounds():
@@ -33,6 +33,7 @@ def test_gains_that_are_not_searched_stay():
 
 def test_one_seed_gives_the_same_scenarios():
     a, b = (scenarios(np.random.default_rng(3)) for _ in range(2))
+    assert len(first_scenarios(np.random.default_rng(3))) == len(a)
     assert [s.friction for s in a] == [s.friction for s in b]
     assert {s.name for s in a} == {"slow", "middle", "fast"}
 

@@ -129,41 +129,52 @@ class Scenario:
     pushed: float = 1.0
 
 
-def scenarios(rng: np.random.Generator) -> tuple[Scenario, ...]:
-    """Slow, middle and fast, each with a turn to a side drawn by chance, and a push in the middle.
-
-    Left and right turns are drawn evenly: the gains know no side.
-    """
+def first_scenarios(rng: np.random.Generator) -> tuple[Scenario, ...]:
+    """For gains without steady states: all begin at 3.5 m/s, two change speed, and all turn."""
     out = []
-    for name, speed, turning, change, turn, end in (
+    for name, speed, turning, ready, turn, end in (
         ("slow", 2.5, _TURN, 1.5, 3.2, 4.8),
         ("middle", 3.5, 1.25 * _TURN, 0.5, 1.5, 4.5),
         ("fast", 5.0, 0.5 * _TURN, 2.5, 4.6, 6.0),
     ):
         way = rng.choice((-1.0, 1.0)) * turning * (end - turn)
-        times = [0.0, 0.4, change, turn, end] if name != "middle" else [0.0, turn, end]
-        count = len(times)
-        speeds = [3.5, 3.5, *[speed] * (count - 2)]
-        angle = rng.uniform(0.0, 2.0 * np.pi)
-        strength = rng.uniform(0.3, 1.0) * _PUSH
-        impulse = (strength * np.cos(angle), strength * np.sin(angle), 0.0)
-        course = Course(
-            times=np.array(times),
-            speeds=np.array(speeds),
-            headings=np.array([0.0] * (count - 1) + [way]),
-            acceleration=1.2,
-        )
-        out.append(
-            Scenario(
-                name=name,
-                course=course,
-                duration=end + 1.0 if name == "middle" else end,
-                friction=float(rng.uniform(*_FRICTION)),
-                push=impulse if name == "middle" else None,
-                pushed=end,
-            )
-        )
+        rows = [(0.0, 3.5, 0.0), (0.4, 3.5, 0.0), (ready, speed, 0.0), (turn, speed, 0.0)]
+        out.append(_scenario(rng, name, [*rows, (end, speed, way)]))
     return tuple(out)
+
+
+def scenarios(rng: np.random.Generator) -> tuple[Scenario, ...]:
+    """Slow, middle and fast from steady states: all turn, two change speed, one is pushed.
+
+    Sides and pushes are drawn evenly: the gains know no side.
+    """
+    out = []
+    for name, speed, turning, turn, straight, later in (
+        ("slow", 2.5, _TURN, 0.8, 2.8, 3.2),
+        ("middle", 3.5, 1.25 * _TURN, 0.8, 3.3, 3.5),
+        ("fast", 5.0, 0.5 * _TURN, 1.5, 3.0, 4.3),
+    ):
+        way = rng.choice((-1.0, 1.0)) * turning * (straight - turn)
+        rows = [(0.0, speed, 0.0), (turn, speed, 0.0), (straight, speed, way)]
+        out.append(_scenario(rng, name, [*rows, (straight + 1.2, later, way)]))
+    return tuple(out)
+
+
+def _scenario(
+    rng: np.random.Generator, name: str, rows: Sequence[tuple[float, float, float]]
+) -> Scenario:
+    """A course of rows of time, speed and heading, on a friction drawn by chance."""
+    times, speeds, headings = np.array(rows).T
+    angle, strength = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.3, 1.0) * _PUSH
+    pushed = name == "middle"
+    return Scenario(
+        name=name,
+        course=Course(times=times, speeds=speeds, headings=headings, acceleration=1.2),
+        duration=float(times[-1]) + (1.0 if pushed else 0.0),
+        friction=float(rng.uniform(*_FRICTION)),
+        push=(strength * np.cos(angle), strength * np.sin(angle), 0.0) if pushed else None,
+        pushed=float(times[-1]) - 0.8 if pushed else 1.0,
+    )
 
 
 def rehearsed(
@@ -230,7 +241,7 @@ class Space:
         gains, slopes = vars(self.start.gains).copy(), dict(self.start.slopes)
         for (name, kind), value in zip(self.keys, values.tolist(), strict=True):
             (gains if kind == "gain" else slopes)[name] = value
-        return Schedule(gains=Gains(**gains), slopes=slopes)
+        return replace(self.start, gains=Gains(**gains), slopes=slopes)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -262,7 +273,7 @@ def train(
     """Search gains by CMA-ES.
 
     Args:
-        start: Where the search begins.
+        start: Where the search begins; with its steady states, from which runs begin.
         names: Gains to search, with their slopes; all by default.
         body: Who runs; a man by default.
         evaluations: Candidates to try, those of the checkpoint included.
@@ -298,7 +309,7 @@ def train(
     with quiet_engine(), ThreadPoolExecutor(threads) as pool:
         while len(history) * population < evaluations:
             rng = np.random.default_rng((seed, len(history)))
-            runs = scenarios(rng)
+            runs = scenarios(rng) if start.starts else first_scenarios(rng)
             asked = search.ask()
             jobs = [(run, space.schedule(x), athlete) for x in asked for run in runs]
             seen = list(pool.map(lambda job: rehearsed(*job)[0], jobs))
@@ -379,7 +390,7 @@ def _write(
         "mean": np.asarray(search.mean).tolist(),
         "sigma_now": float(search.sigma),
         "covariance": np.asarray(search.C).tolist(),
-        "schedule": space.schedule(np.asarray(search.mean)).as_json(),
+        "schedule": replace(space.schedule(np.asarray(search.mean)), starts=()).as_json(),
     }
     with written(path) as temporary:
         temporary.write_text(json.dumps(saved), encoding="utf-8")
