@@ -154,7 +154,7 @@ def scenarios(rng: np.random.Generator) -> tuple[Scenario, ...]:
         ("middle", 3.5, 1.25 * _TURN, 0.8, 3.3, 3.5),
         ("fast", 5.0, 0.5 * _TURN, 1.5, 3.0, 4.3),
     ):
-        way = rng.choice((-1.0, 1.0)) * turning * (straight - turn)
+        way = rng.choice((-1.0, 1.0)) * rng.uniform(0.4, 1.0) * turning * (straight - turn)
         rows = [(0.0, speed, 0.0), (turn, speed, 0.0), (straight, speed, way)]
         out.append(_scenario(rng, name, [*rows, (straight + 1.2, later, way)]))
     return tuple(out)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from understudy.control.trajectory import bounded
+from understudy.control.trajectory import bounded, toward
 from understudy.errors import InvalidValue
 from understudy.motion.rotations import Array
 from understudy.motion.skeleton import frozen_array
@@ -23,21 +23,21 @@ from understudy.motion.skeleton import frozen_array
 # fmt: off
 (
     C_ACCELERATION, C_TURNING, C_SPEED_GAIN, C_SIDE_GAIN, C_PATH_GAIN, C_PATH_SUM,
-    C_ROWS, C_POINTS, C_CLOSED
-) = range(9)
+    C_ROWS, C_POINTS, C_CLOSED, C_BENDING
+) = range(10)
 # fmt: on
-C_TABLE = 9
+C_TABLE = 10
 # Memory: the limited commands, the biases, running means, the place on the path.
 # fmt: off
 (
     SPEED, HEADING, SPEED_BIAS, SIDE_BIAS, MEAN_SPEED, MEAN_SIDE, SEGMENT, PATH_BIAS,
-    ASIDE
-) = range(9)
+    ASIDE, TURNING
+) = range(10)
 # fmt: on
-COURSE_MEMORY = 9
+COURSE_MEMORY = 10
 # The means run over about two steps [s]; the heading closes on a path's in this time [s].
 _MEAN, _CLOSING = 0.7, 0.35
-_MOST_BIAS, _MOST_SIDE, _MOST_AIM = 1.5, 0.4, 0.35
+_MOST_BIAS, _MOST_SIDE, _MOST_AIM = 2.0, 0.4, 0.35
 # Points of a path lie this far apart [m].
 _SPACING = 0.5
 
@@ -85,7 +85,10 @@ def followed_course(time, dt, p, at, m, mat, state, body, yaw, east, north):  # 
     m[mat + SPEED] += bounded(goal_speed - m[mat + SPEED], -most, most)
     limit = p[at + C_TURNING]
     turning = slope + wrapped(goal_heading - m[mat + HEADING]) / _CLOSING
-    turning = bounded(turning, -limit, limit)
+    # A step in the turning rate is a step in the lean, whichever foot is down.
+    bend = p[at + C_BENDING] * dt
+    turning = toward(m[mat + TURNING], bounded(turning, -limit, limit), bend)
+    m[mat + TURNING] = turning
     m[mat + HEADING] = wrapped(m[mat + HEADING] + turning * dt)
     c, s = math.cos(m[mat + HEADING]), math.sin(m[mat + HEADING])
     share = dt / _MEAN
@@ -161,6 +164,7 @@ class Course:
         closed: Whether the path's end leads to its beginning.
         acceleration: Most that the speed asked for changes [m/s^2].
         turning: Most that the heading asked for changes [rad/s].
+        bending: Most that this rate changes [rad/s^2].
     """
 
     times: Array = field(default_factory=lambda: np.zeros(1))
@@ -169,7 +173,8 @@ class Course:
     path: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
     closed: bool = False
     acceleration: float = 0.5
-    turning: float = 0.5
+    turning: float = 0.6
+    bending: float = 0.8
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
@@ -182,7 +187,7 @@ class Course:
             raise InvalidValue(f"times is {self.times.tolist()}; it must increase.")
         if len(self.path) == 1 or (np.linalg.norm(np.diff(self.path, axis=0), axis=1) == 0).any():
             raise InvalidValue("The path needs two points or more, each apart from the next.")
-        for name in ("acceleration", "turning"):
+        for name in ("acceleration", "turning", "bending"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise InvalidValue(f"{name} is {getattr(self, name)}; it must be positive.")
 
@@ -208,6 +213,7 @@ class Course:
         """What the law reads; see the module."""
         head = np.zeros(C_TABLE)
         head[C_ACCELERATION], head[C_TURNING] = self.acceleration, self.turning
+        head[C_BENDING] = self.bending
         head[C_SPEED_GAIN], head[C_SIDE_GAIN] = 0.5, 0.25
         head[C_PATH_GAIN], head[C_PATH_SUM] = 0.20, 0.05
         table = np.stack((self.times, self.speeds, self.headings), axis=1)

@@ -90,7 +90,7 @@ class Running:
         # Biases are the run's, the place and heading the course's.
         for k in (law.M_COURSE + 2, law.M_COURSE + 3):
             own[k - law.M_COURSE] = memory[k]
-        memory[law.M_COURSE :] = own
+        memory = np.concatenate((memory[: law.M_COURSE], own))
         return law.runner, self._parameters(scene, model), memory
 
     def _parameters(self, scene: Scene, model: mujoco.MjModel) -> Array:
