@@ -37,7 +37,7 @@ C_TABLE = 10
 COURSE_MEMORY = 10
 # The means run over about two steps [s]; the heading closes on a path's in this time [s].
 _MEAN, _CLOSING = 0.7, 0.35
-_MOST_BIAS, _MOST_SIDE, _MOST_AIM = 2.0, 0.4, 0.35
+_MOST_BIAS, _MOST_SIDE, _MOST_AIM = 2.8, 0.4, 0.35
 # Points of a path lie this far apart [m].
 _SPACING = 0.5
 
