@@ -173,7 +173,7 @@ class Course:
     path: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
     closed: bool = False
     acceleration: float = 0.5
-    turning: float = 0.6
+    turning: float = 0.35
     bending: float = 0.8
 
     def __post_init__(self) -> None:
