@@ -17,6 +17,7 @@ import mujoco
 import numpy as np
 
 from understudy import Character, sample
+from understudy.control import Controls
 from understudy.performance import tracked
 from understudy.simulate import open_loop_controls, prepared
 from understudy.simulate.gears import rollout
@@ -66,7 +67,7 @@ def measure(plan: str, duration: float, repeats: int) -> str:
 
     def tracking() -> float:
         reset()
-        return seconds(lambda: list(rollout(model, data, ctrl, None, states))) / steps
+        return seconds(lambda: list(rollout(model, data, Controls(ctrl), states))) / steps
 
     bare_best = tracking_best = np.inf
     for _ in range(repeats):

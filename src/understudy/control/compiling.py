@@ -44,6 +44,12 @@ def compiled(function: Any, signature: Any = None) -> Any:
 
 
 @functools.cache
+def compiled_law(law: Any) -> Any:
+    """A law compiled for what every law is called with."""
+    return compiled(law, law_signature())
+
+
+@functools.cache
 def law_signature() -> Any:
     """The numba signature of every law: time, state, ctrl, applied, parameters, memory."""
     from numba import types as t

@@ -159,7 +159,7 @@ def looped(
     Raises:
         InvalidValue: More laws than the loop has places for.
     """
-    from understudy.control.compiling import compiled, law_signature
+    from understudy.control.compiling import compiled_law
     from understudy.simulate import loop
 
     if len(feedback) > loop.MOST_LAWS:
@@ -167,13 +167,12 @@ def looped(
             f"{len(feedback)} compiled laws in one performance; there is room for {loop.MOST_LAWS}."
         )
     parts = [controller.feedback(performance.scene, model) for controller in feedback]
-    signature = law_signature()
-    laws = [compiled(law, signature) for law, _, _ in parts]
+    laws = [compiled_law(law) for law, _, _ in parts]
     steps_of: Any = loop.one if len(laws) == 1 else loop.several
     if len(laws) > 1:
-        laws += [compiled(loop.idle, signature)] * (loop.MOST_LAWS - len(laws))
+        laws += [compiled_law(loop.idle)] * (loop.MOST_LAWS - len(laws))
     parameters_at, parameters = _joined([p for _, p, _ in parts])
-    memory_at, memory = _joined([m for _, _, m in parts])
+    memory_at, memory = _joined([np.array(m, float) for _, _, m in parts])
     assert block.applied is not None
     steps = len(block.ctrl)
     pushes = np.zeros((steps, 0)) if block.pushes is None else block.pushes.reshape(steps, -1)
@@ -194,4 +193,4 @@ def _joined(rows: list[Array]) -> tuple[Any, Array]:
     """Rows of numbers as one, and where each begins and the last ends."""
     flat = [np.ascontiguousarray(row, float).ravel() for row in rows]
     at = np.cumsum([0, *(len(row) for row in flat)], dtype=np.int64)
-    return at, np.concatenate(flat)
+    return at, flat[0] if len(flat) == 1 else np.concatenate(flat)
