@@ -49,7 +49,6 @@ def test_a_fall_costs_more_than_any_gait():
 
 
 def test_a_search_goes_on_from_its_checkpoint(tmp_path):
-    pytest.importorskip("cma")
     file = tmp_path / "search.json"
     given = {"names": ["pitch", "waist_lean"], "population": 4, "seed": 2, "checkpoint": file}
     first = train(Schedule(), evaluations=4, **given)

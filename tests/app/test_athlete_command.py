@@ -55,7 +55,6 @@ def test_a_speed_that_is_none_says_what_it_may_be(word):
 
 
 def test_training_writes_gains_with_the_command_that_made_them(tmp_path, capsys):
-    pytest.importorskip("cma")
     words = ["train", "running", "--gains", "pitch", "--evaluations", "4", "--population", "4"]
     assert main([*words, "--seed", "5", "--out", str(tmp_path), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
