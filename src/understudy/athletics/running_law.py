@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from understudy.athletics.course import followed_course
-from understudy.athletics.gains import MIDDLE, NAMES
+from understudy.athletics.gains import MIDDLE, NAMES, SLOW
 from understudy.control.legs import (
     foothold,
     hip_torques,
@@ -40,7 +40,8 @@ LEFT, RIGHT = 0, 1
 # fmt: on
 GAINS = len(NAMES)
 
-# Parameters: the body and where it is in the engine's arrays, then gains, slopes and the course.
+# Parameters: the body and where it is in the engine's arrays, then gains, slopes, those
+# of slow steps, and the course.
 # fmt: off
 (
     P_QPOS, P_QVEL, P_CTRL, P_SENSORS, P_PELVIS, P_DT, P_GRAVITY, P_WEIGHT, P_SCALE,
@@ -48,7 +49,7 @@ GAINS = len(NAMES)
 ) = range(15)
 # fmt: on
 P_GAINS = 15
-P_COURSE = P_GAINS + 2 * GAINS
+P_COURSE = P_GAINS + 3 * GAINS
 
 # Memory: the machine's, then what follows, the gains at the present speed and the course's.
 # fmt: off
@@ -98,8 +99,7 @@ def runner(time, state, ctrl, applied, p, m):  # type: ignore[no-untyped-def]
     speed, side_speed, error, turning, forward = followed_course(
         time, p[P_DT], p, P_COURSE, m, M_COURSE, state, int(p[P_PELVIS]), yaw, east, north
     )
-    for k in range(GAINS):
-        m[M_GAINS + k] = p[P_GAINS + k] + p[P_GAINS + GAINS + k] * (forward - MIDDLE)
+    _scheduled(p, m, forward)
     velocity = (c * east + s * north, c * north - s * east)
     wanted = (speed, side_speed, error, turning, forward)
     _transitions(time, state, p, m)
@@ -110,6 +110,14 @@ def runner(time, state, ctrl, applied, p, m):  # type: ignore[no-untyped-def]
     if state_of(m) != FLIGHT:
         _attitude(state, ctrl, p, m, leg, body, wanted)
     _upper_body(state, ctrl, p, m, pitch)
+
+
+def _scheduled(p, m, speed):  # type: ignore[no-untyped-def]
+    """The gains at a speed."""
+    more, less = max(speed, SLOW) - MIDDLE, max(SLOW - speed, 0.0)
+    for k in range(GAINS):
+        value = p[P_GAINS + k] + more * p[P_GAINS + GAINS + k]
+        m[M_GAINS + k] = value + less * p[P_GAINS + 2 * GAINS + k]
 
 
 # -- the state machine (figure 3) --------------------------------------------------------------
