@@ -73,33 +73,22 @@ _FASTEST = 15.0
 # Servos that are not searched: hip z, ankle in the air, shoulder, elbow, neck, wrist.
 _HIP_Z, _AIR_ANKLE, _SHOULDER, _ELBOW = (150.0, 8.0), (80.0, 3.0), (70.0, 3.0), (50.0, 2.0)
 _NECK, _WRIST = 60.0, 3.0
-_ARM_OUT, _ELBOW_BENT, _ELBOW_SWING = 0.15, 1.75, 0.2
+_ARM_OUT, _ELBOW_BENT, _ELBOW_HANGING, _ELBOW_SWING = 0.15, 1.75, 0.25, 0.2
 # How much of the trunk's lean the neck takes back.
 _LEVEL = 0.8
 
 
 def runner(time, state, ctrl, applied, p, m):  # type: ignore[no-untyped-def]
     """One step of the runner: senses, states, then every joint's torque."""
-    ox, oy, oz = turned(*orientation(state.xquat, int(p[P_PELVIS])), 1.0, 0.0, 0.0)
-    _, _, lz = turned(*orientation(state.xquat, int(p[P_PELVIS])), 0.0, 1.0, 0.0)
-    yaw = math.atan2(oy, ox)
-    pitch = math.atan2(-oz, math.sqrt(ox * ox + oy * oy))
-    roll = math.asin(bounded(lz / max(math.cos(pitch), 0.1), -1.0, 1.0))
-    v = int(p[P_QVEL])
-    wx, wy, wz = turned(
-        *orientation(state.xquat, int(p[P_PELVIS])),
-        state.qvel[v + 3],
-        state.qvel[v + 4],
-        state.qvel[v + 5],
-    )
+    yaw, body = attitude(state, p)
+    roll, pitch = body[0], body[1]
     c, s = math.cos(yaw), math.sin(yaw)
-    body = (roll, pitch, c * wx + s * wy, c * wy - s * wx, wz)
     at = int(p[P_SENSORS]) + 6
     east, north = state.sensordata[at], state.sensordata[at + 1]
     speed, side_speed, error, turning, forward = followed_course(
         time, p[P_DT], p, P_COURSE, m, M_COURSE, state, int(p[P_PELVIS]), yaw, east, north
     )
-    _scheduled(p, m, forward)
+    scheduled(p, m, forward)
     velocity = (c * east + s * north, c * north - s * east)
     wanted = (speed, side_speed, error, turning, forward)
     _transitions(time, state, p, m)
@@ -109,10 +98,23 @@ def runner(time, state, ctrl, applied, p, m):  # type: ignore[no-untyped-def]
     _idle(time, state, ctrl, p, m, idle, active_x, active_y, roll)
     if state_of(m) != FLIGHT:
         _attitude(state, ctrl, p, m, leg, body, wanted)
-    _upper_body(state, ctrl, p, m, pitch)
+    upper_body(state, ctrl, p, m, pitch, 1.0)
 
 
-def _scheduled(p, m, speed):  # type: ignore[no-untyped-def]
+def attitude(state, p):  # type: ignore[no-untyped-def]
+    """Facing direction; roll, pitch and the rates about x, y, z of the heading frame."""
+    pelvis, v = orientation(state.xquat, int(p[P_PELVIS])), int(p[P_QVEL])
+    ox, oy, oz = turned(*pelvis, 1.0, 0.0, 0.0)
+    _, _, lz = turned(*pelvis, 0.0, 1.0, 0.0)
+    yaw = math.atan2(oy, ox)
+    pitch = math.atan2(-oz, math.sqrt(ox * ox + oy * oy))
+    roll = math.asin(bounded(lz / max(math.cos(pitch), 0.1), -1.0, 1.0))
+    wx, wy, wz = turned(*pelvis, state.qvel[v + 3], state.qvel[v + 4], state.qvel[v + 5])
+    c, s = math.cos(yaw), math.sin(yaw)
+    return yaw, (roll, pitch, c * wx + s * wy, c * wy - s * wx, wz)
+
+
+def scheduled(p, m, speed):  # type: ignore[no-untyped-def]
     """The gains at a speed."""
     more, less = max(speed, SLOW) - MIDDLE, max(SLOW - speed, 0.0)
     for k in range(GAINS):
@@ -357,15 +359,19 @@ def _idle(time, state, ctrl, p, m, leg, active_x, active_y, roll):  # type: igno
 # -- arms, waist, neck -------------------------------------------------------------------------
 
 
-def _upper_body(state, ctrl, p, m, pitch):  # type: ignore[no-untyped-def]
-    """Arms swing with the opposite hip (equation 5); the waist turns against the hips."""
+def upper_body(state, ctrl, p, m, pitch, share):  # type: ignore[no-untyped-def]
+    """Arms swing with the opposite hip (equation 5); the waist turns against the hips.
+
+    At a share of 1 they are a runner's, at 0 the arms hang and the chest is upright.
+    """
     left, right = _angle(state, p, LEFT_LEG + HIP_Y), _angle(state, p, RIGHT_LEG + HIP_Y)
-    _arm(state, ctrl, p, m, LEFT_ARM, right, 1.0)
-    _arm(state, ctrl, p, m, RIGHT_ARM, left, -1.0)
+    _arm(state, ctrl, p, m, LEFT_ARM, right, 1.0, share)
+    _arm(state, ctrl, p, m, RIGHT_ARM, left, -1.0, share)
     k = m[M_GAINS + WAIST_STIFFNESS]
-    turn = m[M_GAINS + WAIST_TURN] * (left - right)
+    turn = share * m[M_GAINS + WAIST_TURN] * (left - right)
     _put(ctrl, p, WAIST, -k * _angle(state, p, WAIST))
-    _put(ctrl, p, WAIST + 1, k * (m[M_GAINS + WAIST_LEAN] - _angle(state, p, WAIST + 1)))
+    lean = share * m[M_GAINS + WAIST_LEAN]
+    _put(ctrl, p, WAIST + 1, k * (lean - _angle(state, p, WAIST + 1)))
     _put(ctrl, p, WAIST + 2, 0.5 * k * (turn - _angle(state, p, WAIST + 2)))
     for i in range(0, 3, 2):
         _put(ctrl, p, NECK + i, -_NECK * _angle(state, p, NECK + i))
@@ -374,13 +380,14 @@ def _upper_body(state, ctrl, p, m, pitch):  # type: ignore[no-untyped-def]
     _put(ctrl, p, NECK + 1, _NECK * (ahead - _angle(state, p, NECK + 1)))
 
 
-def _arm(state, ctrl, p, m, arm, hip, outward):  # type: ignore[no-untyped-def]
+def _arm(state, ctrl, p, m, arm, hip, outward, share):  # type: ignore[no-untyped-def]
     swing = m[M_GAINS + ARM_SWING] * (hip - 0.3) + m[M_GAINS + ARM_OFFSET]
-    swing = bounded(swing, -1.2, 1.2)
+    swing = share * bounded(swing, -1.2, 1.2)
+    elbow = _ELBOW_HANGING + share * (_ELBOW_BENT - _ELBOW_HANGING) + _ELBOW_SWING * swing
     _hold(state, ctrl, p, arm, swing, *_SHOULDER)
     _hold(state, ctrl, p, arm + 1, outward * _ARM_OUT, *_SHOULDER)
     _hold(state, ctrl, p, arm + 2, 0.0, *_SHOULDER)
-    _hold(state, ctrl, p, arm + 3, _ELBOW_BENT + _ELBOW_SWING * swing, *_ELBOW)
+    _hold(state, ctrl, p, arm + 3, elbow, *_ELBOW)
     for i in range(2):
         _put(ctrl, p, arm + 4 + i, -_WRIST * _angle(state, p, arm + 4 + i))
 
