@@ -9,6 +9,7 @@ Definitions and formulas: docs/evaluation.md.
 
 from understudy.evaluate.certificate import certificate, write_certificate
 from understudy.evaluate.events import ContactEvent, contact_events, contact_force
+from understudy.evaluate.following import Following, following
 from understudy.evaluate.gait import Gait, gait_of
 from understudy.evaluate.measure import Measured, measured
 from understudy.evaluate.outcomes import Outcome, outcomes
@@ -18,6 +19,7 @@ from understudy.evaluate.score import Score, score
 
 __all__ = [
     "ContactEvent",
+    "Following",
     "Gait",
     "Measured",
     "Outcome",
@@ -26,6 +28,7 @@ __all__ = [
     "certificate",
     "contact_events",
     "contact_force",
+    "following",
     "gait_of",
     "measured",
     "outcomes",

@@ -45,6 +45,8 @@ class Comparison:
         distances: Between joint positions in the world [m], shape (frames, joints).
         aligned_distances: The same with both motions expressed in their own root's frame [m],
             shape (frames, joints).
+        relative_distances: The same with each motion's root moved to the origin but not turned
+            [m], shape (frames, joints).
         end_distances: Between end sites in the world [m], shape (frames, ends).
     """
 
@@ -55,6 +57,7 @@ class Comparison:
     root_drops: Array = field(repr=False)
     distances: Array = field(repr=False)
     aligned_distances: Array = field(repr=False)
+    relative_distances: Array = field(repr=False)
     end_distances: Array = field(repr=False)
 
 
@@ -87,6 +90,7 @@ def compared(motion: Clip, reference: Clip, *, lag: float = 0.0) -> Comparison:
         back = rot.conjugate(clip.rotations[:, :1])
         return rot.rotate(back, positions - clip.root_positions[:, None])
 
+    apart = a.positions - b.positions
     angles = rot.angle_between(one.rotations, two.rotations)
     return Comparison(
         times=motion.times[shared],
@@ -94,10 +98,11 @@ def compared(motion: Clip, reference: Clip, *, lag: float = 0.0) -> Comparison:
         root_angles=angles[:, 0],
         root_distances=np.linalg.norm(one.root_positions - two.root_positions, axis=-1),
         root_drops=two.root_positions[:, 2] - one.root_positions[:, 2],
-        distances=np.linalg.norm(a.positions - b.positions, axis=-1),
+        distances=np.linalg.norm(apart, axis=-1),
         aligned_distances=np.linalg.norm(
             in_root_frame(one, a.positions) - in_root_frame(two, b.positions), axis=-1
         ),
+        relative_distances=np.linalg.norm(apart - apart[:, :1], axis=-1),
         end_distances=np.linalg.norm(a.ends - b.ends, axis=-1),
     )
 
