@@ -205,9 +205,10 @@ def together(
 ) -> Performance:
     """Several performances as one: all characters in one scene, each with its own controllers.
 
-    The characters stand where their clips are (`Clip.placed` moves one). The scene lasts as long as
-    the longest performance; who has finished holds the last pose. Names in the scene: the first
-    character's as they are, the second's with "b/" before them, the third's with "c/".
+    The characters stand where their clips are (`Clip.placed` moves one), runners where their
+    courses begin (`Course.beside` is the next lane). The scene lasts as long as the longest
+    performance; who has finished holds the last pose. Names in the scene: the first character's as
+    they are, the second's with "b/" before them, the third's with "c/".
 
     Args:
         performances: Two or more, made alone, with the same time step, gravity and ground.

@@ -23,6 +23,35 @@ def test_a_run_is_written_measured_and_can_be_read_again(tmp_path, capsys):
     assert take.duration == pytest.approx(2.0)
     clip = us.read(tmp_path / "running.bvh")
     assert clip.root_positions[-1, 0] > 5.0
+    saved = json.loads((tmp_path / "running_gait.json").read_text())
+    curves = {curve["name"]: curve["correlation"] for curve in saved["run"]["curves"]}
+    assert curves["knee"] == pytest.approx(found["knee_curve_correlation"])
+    assert "<h2>Curves</h2>" in (tmp_path / "running_gait.html").read_text()
+
+
+def test_several_run_in_lanes_each_with_files_of_its_own(tmp_path, capsys):
+    words = ["athlete", "running", "--runners", "2", "--character", "mixed", "--seconds", "1"]
+    assert main([*words, "--out", str(tmp_path), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [one["character"] for one in found["runners"]] == ["man", "woman"]
+    clips = [us.read(tmp_path / f"running_{letter}.bvh") for letter in "ab"]
+    apart = clips[0].root_positions[0] - clips[1].root_positions[0]
+    assert apart[:2] == pytest.approx([0.0, 1.22], abs=0.05)
+    assert len(us.load_take(tmp_path / "running.take.npz").scene.characters) == 2
+
+
+def test_as_many_run_as_a_track_has_lanes(capsys):
+    assert main(["athlete", "running", "--runners", "9"]) == 2
+    assert "--runners is 9" in capsys.readouterr().err
+
+
+def test_another_motion_is_shown_beside_the_run(tmp_path, capsys):
+    words = ["athlete", "running", "--seconds", "2", "--out", str(tmp_path)]
+    assert main([*words, "--json"]) == 0
+    beside = ["--beside", str(tmp_path / "running.bvh"), "--name", "again"]
+    assert main([*words, *beside, "--json"]) == 0
+    saved = json.loads((tmp_path / "again_gait.json").read_text())
+    assert [one["gait"]["stance_by"] for one in saved["beside"]] == ["motion of the soles"]
 
 
 def test_a_fall_is_said_and_the_take_ends_there(tmp_path, capsys):

@@ -42,3 +42,19 @@ def test_a_path_begins_at_its_first_point_with_its_heading():
 def test_a_course_that_cannot_be_run_says_why(given, word):
     with pytest.raises(InvalidValue, match=word):
         Course(**given)
+
+
+def test_the_lane_beside_is_so_far_to_the_right():
+    straight = Course.steady(3.5, heading=np.pi / 2)
+    assert straight.beside(1.22).start[0] == pytest.approx([1.22, 0.0])
+    angle = np.linspace(0.0, 2.0 * np.pi, 100, endpoint=False)
+    circle = np.column_stack((np.cos(angle), np.sin(angle)))
+    lane = Course.along(10.0 * circle, 3.5, closed=True).beside(1.0)
+    assert np.linalg.norm(lane.path, axis=1) == pytest.approx(11.0, abs=0.02)
+
+
+def test_a_lane_that_would_fold_on_itself_is_refused():
+    angle = np.linspace(0.0, 2.0 * np.pi, 100, endpoint=False)
+    circle = 2.0 * np.column_stack((np.cos(angle), np.sin(angle)))
+    with pytest.raises(InvalidValue, match="sharply"):
+        Course.along(circle, 3.5, closed=True).beside(-3.0)

@@ -15,20 +15,31 @@ from understudy.errors import InvalidValue, UnderstudyError
 
 if TYPE_CHECKING:
     from understudy.athletics.course import Course
+    from understudy.character import Athlete
+    from understudy.motion.clip import Clip
     from understudy.performance import Performance
+    from understudy.take import Take
 
 EXAMPLE = """\
   understudy athlete running --speed 3.5 --seconds 20 --out out
   understudy athlete running --speed 0:2.5,8:5,16:2.5 --seconds 20 --stills
   understudy athlete running --path track-400m --speed 4 --seconds 110
-  understudy athlete running --heading 0:0,5:0,8.1:90 --push 12:0,70 --seconds 16"""
+  understudy athlete running --heading 0:0,5:0,8.1:90 --push 12:0,70 --seconds 16
+  understudy athlete running --runners 4 --character mixed --stills"""
+
+# Runners side by side are this far apart, as lanes of a track are [m]; there are as many of those.
+_LANE, _LANES = 1.22, 8
+# A gait is measured from then on [s], or from a third of a shorter run.
+_SETTLED = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
     """Simulate an athlete that runs, with no clip: only a controller, a body and the ground.
 
-    Writes NAME.bvh, NAME.glb, NAME.take.npz, NAME.html (report) and NAME.json (what was measured).
+    Writes NAME.bvh, NAME.glb (of several NAME_a.bvh, NAME_b.bvh and so on), NAME.take.npz,
+    NAME.html (report), NAME_gait.html and NAME_gait.json (the run beside people and beside other
+    motions) and NAME.json (what was measured).
 
     Attributes:
         behavior: running (Hodgins et al. 1995).
@@ -36,8 +47,10 @@ class Options:
         seconds: How long.
         heading: Facing direction in degrees, left positive; or TIME:DEGREES,...
         path: File of points to run along, a line of X Y in meters each; or track-400m.
-        character: man or woman.
-        push: TIME:FORWARD,LEFT in N s at the chest, in the world; may be given again.
+        character: man, woman, or of several runners mixed: a man, a woman and so on.
+        runners: How many, in lanes 1.22 m apart, each to the right of the one before.
+        push: TIME:FORWARD,LEFT in N s at the chest of the first, in the world; may be given again.
+        beside: Motion to show beside the run, such as a captured one; may be given up to 3 times.
         friction: Of the ground.
         timestep: Physics step [s].
         name: Stem of the files.
@@ -52,9 +65,13 @@ class Options:
     seconds: Annotated[float, arg(metavar="S")] = 20.0
     heading: Annotated[str, arg(metavar="DEG")] = "0"
     path: Annotated[str | None, arg(metavar="FILE", help_behavior_hint="(default: none)")] = None
-    character: Literal["man", "woman"] = "man"
+    character: Literal["man", "woman", "mixed"] = "man"
+    runners: Annotated[int, arg(metavar="N")] = 1
     push: Annotated[
         tuple[str, ...], arg(metavar="T:X,Y", help_behavior_hint="(default: none)")
+    ] = ()
+    beside: Annotated[
+        tuple[Path, ...], arg(metavar="FILE", help_behavior_hint="(default: none)")
     ] = ()
     friction: Annotated[float, arg(metavar="MU")] = 1.0
     timestep: Annotated[float, arg(metavar="S")] = 0.001
@@ -68,47 +85,112 @@ class Options:
 def run(options: Options) -> Outcome:
     """Simulate, measure and write."""
     import understudy as us
-    from understudy.athletics.running_judge import Judge, report
-    from understudy.simulate.trials import judged
+    from understudy.evaluate.running import MOST_BESIDE
+    from understudy.performance import together
 
-    performance = _performance(options)
+    if len(options.beside) > MOST_BESIDE:
+        raise InvalidValue(f"--beside was given {len(options.beside)} files; at most 3 are shown.")
+    captured = [us.read(file) for file in options.beside]
+    alone = _performances(options)
     ready(options.out)
-    (running, *_) = performance.controllers
-    seen, _ = judged(performance, Judge(running=running))  # type: ignore[arg-type]
-    found = _figures(options, report(seen))
-    if found["fell_at_s"] is not None:
-        performance = _until(performance, found["fell_at_s"])
+    found = [_judged(options, one) for one in alone]
+    falls = [one["fell_at_s"] for one in found if one["fell_at_s"] is not None]
+    performance = together(*alone) if len(alone) > 1 else alone[0]
+    if falls:
+        performance = _until(performance, min(falls))
     take = us.simulate(performance, progress=True)
+    for k, one in enumerate(found):
+        one |= _beside_people(take, k)
     with staged(options.out, options.name) as (folder, files):
-        stem = folder / options.name
-        endings = [".bvh", ".glb", ".take.npz"]
-        endings += [".png"] * options.stills + [".mp4"] * options.video
-        us.write(take, *(f"{stem}{ending}" for ending in endings))
-        us.write_report(take, f"{stem}.html")
-        text = json.dumps(plain(found), indent=2)
-        Path(f"{stem}.json").write_text(text + "\n", encoding="utf-8")
-    status = 0 if found["fell_at_s"] is None else 1
-    return Outcome(result=found | {"files": files}, text=_summary(found, files), status=status)
+        _write(options, take, found, captured, folder)
+    result = found[0] if len(found) == 1 else {"runners": found}
+    return Outcome(
+        result=result | {"files": files}, text=_summary(found, files), status=1 if falls else 0
+    )
 
 
-def _performance(options: Options) -> Performance:
+def _write(
+    options: Options,
+    take: Take,
+    found: list[dict[str, Any]],
+    captured: list[Clip],
+    folder: Path,
+) -> None:
+    """Every file of the run."""
+    import understudy as us
+    from understudy.running_report import write_running
+
+    stem = folder / options.name
+    several = len(found) > 1
+    for k, one in enumerate(found):
+        own = f"{stem}_{chr(ord('a') + k)}" if several else f"{stem}"
+        us.write(take, f"{own}.bvh", f"{own}.glb", character=k)
+        if one["hip_curve_correlation"] is not None:
+            gait = _gait(take, k)
+            write_running(gait, f"{own}_gait.html", beside=captured)
+            write_running(gait, f"{own}_gait.json", beside=captured)
+    endings = [".take.npz", *[".png"] * options.stills, *[".mp4"] * options.video]
+    us.write(take, *(f"{stem}{ending}" for ending in endings))
+    us.write_report(take, f"{stem}.html")
+    text = json.dumps(plain({"runners": found} if several else found[0]), indent=2)
+    Path(f"{stem}.json").write_text(text + "\n", encoding="utf-8")
+
+
+def _performances(options: Options) -> list[Performance]:
+    """Each runner alone."""
     from understudy.character import athlete
     from understudy.control import Push
     from understudy.performance import running
     from understudy.scene import Ground
 
+    if not 1 <= options.runners <= _LANES:
+        raise InvalidValue(f"--runners is {options.runners}; it must be 1 to {_LANES}.")
+    kinds = ("man", "woman") if options.character == "mixed" else (options.character,)
+    bodies: list[Athlete] = [athlete(kinds[k % len(kinds)]) for k in range(options.runners)]
     pushes = []
     for word in options.push:
         time, forward, left = _numbers("--push", word, "TIME:FORWARD,LEFT", 3)
         pushes.append(Push(time=time, impulse=(forward, left, 0.0)))
-    return running(
-        athlete(options.character),
-        _course(options),
-        duration=options.seconds,
-        ground=Ground(friction=options.friction),
-        timestep=options.timestep,
-        disturbances=pushes,
-    )
+    course = _course(options)
+    return [
+        running(
+            body,
+            course.beside(_LANE * k) if k else course,
+            duration=options.seconds,
+            ground=Ground(friction=options.friction),
+            timestep=options.timestep,
+            disturbances=pushes if k == 0 else (),
+        )
+        for k, body in enumerate(bodies)
+    ]
+
+
+def _judged(options: Options, performance: Performance) -> dict[str, Any]:
+    """What a judge saw of one runner; runners in lanes do not touch, so each is seen alone."""
+    from understudy.athletics.running_judge import Judge, report
+    from understudy.simulate.trials import judged
+
+    (running, *_) = performance.controllers
+    seen, _ = judged(performance, Judge(running=running))  # type: ignore[arg-type]
+    body = performance.scene.characters[0].name
+    return _figures(options, body.removeprefix("athlete_"), report(seen))
+
+
+def _gait(take: Take, character: int) -> Any:
+    from understudy.evaluate.gait import gait_of
+
+    return gait_of(take, character=character, start=min(_SETTLED, take.duration / 3.0))
+
+
+def _beside_people(take: Take, character: int) -> dict[str, Any]:
+    """How like people's its hip and knee curves are; None where no whole cycle was run."""
+    from understudy.evaluate.running import likeness
+
+    try:
+        curves = likeness(_gait(take, character)).curves
+    except InvalidValue:
+        return {"hip_curve_correlation": None, "knee_curve_correlation": None}
+    return {f"{name}_curve_correlation": curves[name].correlation for name in ("hip", "knee")}
 
 
 def _course(options: Options) -> Course:
@@ -180,7 +262,7 @@ def _until(performance: Performance, time: float) -> Performance:
     return replace(performance, duration=max(time, performance.scene.timestep))
 
 
-def _figures(options: Options, seen: dict[str, float]) -> dict[str, Any]:
+def _figures(options: Options, character: str, seen: dict[str, float]) -> dict[str, Any]:
     """What was measured, by name with its unit."""
     import math
 
@@ -194,7 +276,7 @@ def _figures(options: Options, seen: dict[str, float]) -> dict[str, Any]:
     }
     return {
         "behavior": options.behavior,
-        "character": options.character,
+        "character": character,
         "fell_at_s": seen["time"] if seen["fell"] else None,
         "mean_speed_m_s": seen["mean_speed"],
         "stance_s": seen["mean_stance"],
@@ -208,10 +290,15 @@ def _figures(options: Options, seen: dict[str, float]) -> dict[str, Any]:
     }
 
 
-def _summary(found: dict[str, Any], files: dict[str, str]) -> str:
-    rows = [("measured", "value")]
-    for name, value in found.items():
-        shown = f"{value:.3f}" if isinstance(value, float) else "no" if value is None else value
-        rows.append((name.replace("_", " "), str(shown)))
+def _summary(found: list[dict[str, Any]], files: dict[str, str]) -> str:
+    several = [str(one["character"]) for one in found]
+    rows: list[tuple[str, ...]] = [("measured", *(several if len(found) > 1 else ["value"]))]
+    for name in found[0]:
+        none = "no" if name == "fell_at_s" else "-"
+        rows.append((name.replace("_", " "), *(_shown(one[name], none) for one in found)))
     listed = [f"  {path}" for path in files.values()]
-    return "\n".join([table(rows, right=[1]), "", "files:", *listed])
+    return "\n".join([table(rows, right=range(1, len(rows[0]))), "", "files:", *listed])
+
+
+def _shown(value: Any, none: str) -> str:
+    return f"{value:.3f}" if isinstance(value, float) else none if value is None else str(value)

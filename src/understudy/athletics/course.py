@@ -8,7 +8,7 @@ heading and a turning rate. The law part is scalar and runs compiled.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -160,6 +160,7 @@ class Course:
         speeds: Desired speed [m/s], shape (rows,).
         headings: Desired facing direction from +x toward +y [rad], shape (rows,); a path replaces
             them.
+        begin: Where it begins [m], shape (2,); a path replaces it.
         path: Points to run along [m], shape (points, 2), or empty for none.
         closed: Whether the path's end leads to its beginning.
         acceleration: Most that the speed asked for changes [m/s^2].
@@ -170,6 +171,7 @@ class Course:
     times: Array = field(default_factory=lambda: np.zeros(1))
     speeds: Array = field(default_factory=lambda: np.array([3.5]))
     headings: Array = field(default_factory=lambda: np.zeros(1))
+    begin: Array = field(default_factory=lambda: np.zeros(2))
     path: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
     closed: bool = False
     acceleration: float = 0.5
@@ -182,6 +184,7 @@ class Course:
         rows = (len(self.times),)
         for name in ("speeds", "headings"):
             set_(self, name, frozen_array(getattr(self, name), rows, name))
+        set_(self, "begin", frozen_array(self.begin, (2,), "begin"))
         set_(self, "path", frozen_array(self.path, (None, 2), "path"))
         if not rows[0] or (np.diff(self.times) <= 0).any():
             raise InvalidValue(f"times is {self.times.tolist()}; it must increase.")
@@ -201,11 +204,30 @@ class Course:
         """One speed [m/s] along points [m], shape (points, 2)."""
         return cls(speeds=np.array([speed]), path=np.asarray(path, float), closed=closed)
 
+    def beside(self, distance: float) -> Course:
+        """The same course so far to the right [m], as the next lane of a track is.
+
+        Raises:
+            InvalidValue: The path bends so sharply that it would fold on itself there.
+        """
+        _, heading, _ = self.start
+        right = np.array([np.sin(heading), -np.cos(heading)])
+        if not len(self.path):
+            return replace(self, begin=self.begin + distance * right)
+        rows = self._points()
+        shift = np.column_stack((np.sin(rows[:, 2]), -np.cos(rows[:, 2])))
+        path = rows[:, :2] + distance * shift
+        if (np.einsum("ki,ki->k", np.diff(path, axis=0), np.diff(rows[:, :2], axis=0)) <= 0).any():
+            raise InvalidValue(
+                f"The path bends too sharply for another {abs(distance):g} m beside it."
+            )
+        return replace(self, path=path)
+
     @property
     def start(self) -> tuple[Array, float, float]:
         """Where it begins [m], shape (2,), with what heading [rad] and speed [m/s]."""
         if not len(self.path):
-            return np.zeros(2), float(self.headings[0]), float(self.speeds[0])
+            return self.begin, float(self.headings[0]), float(self.speeds[0])
         rows = self._points()
         return rows[0, :2], float(rows[0, 2]), float(self.speeds[0])
 
