@@ -8,13 +8,16 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from understudy.character import Linkage
+from understudy.character import Athlete, Linkage
 from understudy.errors import InvalidValue
 from understudy.motion.clip import Clip, Conventions
 from understudy.motion.edits import sampled
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
 from understudy.scene import Scene
+
+# Frames per second of an athlete's clip, which follows none [Hz]; or the nearest that divides.
+_ATHLETE_RATE = 120.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,16 +100,18 @@ class Take:
 
         Args:
             character: Which of the scene's characters.
-            rate: Frames per second [Hz]; by default that of the tracked clip. The nearest rate that
-                divides the take's evenly is used, so every frame is a simulated state.
+            rate: Frames per second [Hz]; by default that of the tracked clip, of an athlete 120. The
+                nearest rate that divides the take's evenly is used, so every frame is a simulated
+                state.
         """
-        reference = self.references[character]
+        reference, body = self.references[character], self.scene.characters[character]
         if rate is None and reference is not None:
             rate = reference.rate
+        elif rate is None and isinstance(body, Athlete):
+            rate = _ATHLETE_RATE
         every = self.stride(rate)
         part = self.scene.parts[character]
         state = self.qpos[::every, part.qpos]
-        body = self.scene.characters[character]
         if isinstance(body, Linkage):
             return self._linkage_clip(body, state, reference, every)
         return Clip(

@@ -13,7 +13,7 @@ from understudy.athletics.course import Course
 from understudy.athletics.gains import NAMES, Gains, Schedule, shipped
 from understudy.athletics.running import Running
 from understudy.athletics.running_judge import SUMS, Judge, report
-from understudy.character import athlete_man, athlete_woman
+from understudy.character import adult_woman, athlete_man, athlete_woman
 from understudy.control import EngineState
 from understudy.control.machine import STATE
 from understudy.errors import InvalidValue, UnknownName
@@ -136,6 +136,22 @@ def test_a_take_becomes_a_clip(performance):
     clip = take.clip(rate=100.0)
     assert clip.skeleton.names[0] == "pelvis"
     assert clip.root_positions[-1, 0] > 3.0
+
+
+def test_a_clip_of_a_run_has_about_120_frames_a_second(performance):
+    take = simulate(performance)
+    clip = take.clip()
+    assert clip.rate == pytest.approx(125.0)
+    assert clip.root_positions[-1] == pytest.approx(take.qpos[-1, :3], abs=0.05)
+
+
+def test_a_run_is_tracked_by_another_body(performance):
+    import understudy as us
+
+    take = us.track(simulate(performance).clip(), adult_woman())
+    found = us.score(take)
+    assert found.joint_error_deg is not None and found.joint_error_deg < 1.5
+    assert found.root_position_mm is not None and found.root_position_mm < 20.0
 
 
 def test_nothing_but_the_ground_holds_a_runner(performance):
