@@ -17,7 +17,6 @@ from understudy.performance import Performance
 from understudy.scene import Scene
 from understudy.simulate import simulate
 
-
 SHIFT = np.array([0.03, 0.0, 0.04])
 
 

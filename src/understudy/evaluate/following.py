@@ -47,7 +47,8 @@ class Following:
         help_percent: Root mean square outside force on the root [% of body weight].
         help_peak_percent: Its peak [% of body weight].
         joint_position_mm: Mean distance of joints from the clip's, in the world [mm].
-        joint_relative_mm: The same with both roots at one place, not turned [mm].
+        joint_position_peak_mm: Largest mean over the joints at one time [mm].
+        joint_relative_mm: The same as joint_position_mm with both roots at one place, not turned [mm].
         com_mm: Root mean square distance of the centers of mass [mm].
         com_peak_mm: Its peak [mm].
         shake: Root mean square angular acceleration of the joints over that of the clip; above 1
@@ -61,6 +62,7 @@ class Following:
     help_percent: float
     help_peak_percent: float
     joint_position_mm: float
+    joint_position_peak_mm: float
     joint_relative_mm: float
     com_mm: float
     com_peak_mm: float
@@ -110,6 +112,7 @@ def following(take: Take, *, character: int = 0, measures: Measured | None = Non
         help_percent=float(np.sqrt(np.mean(np.square(force)))),
         help_peak_percent=float(force.max()),
         joint_position_mm=1e3 * float(found.distances.mean()),
+        joint_position_peak_mm=1e3 * float(found.distances.mean(axis=1).max()),
         joint_relative_mm=1e3 * float(found.relative_distances.mean()),
         com_mm=1e3 * float(np.sqrt(np.mean(np.square(away)))),
         com_peak_mm=1e3 * float(away.max()),

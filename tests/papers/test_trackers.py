@@ -1,0 +1,118 @@
+"""Runs, groups and the page that holds them beside published trackers."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+import understudy as us
+from understudy.errors import InvalidValue
+from understudy.papers.trackers import (
+    DIFFERENT,
+    TRACKERS,
+    Run,
+    page_html,
+    run_of,
+    summaries,
+    table,
+)
+from understudy.papers.trackers.runs import HEAD, SUMMARY_HEAD, dynamic, easy, survival, worst
+
+WALK = Run(
+    label="cmu_bvh/walk.bvh",
+    seconds=4.0,
+    score_percent=3.0,
+    free=True,
+    help_percent=0.0,
+    free_s=4.0,
+    joint_deg=2.0,
+    com_mm=6.0,
+    global_mm=10.0,
+    peak_mm=40.0,
+    relative_mm=7.0,
+    slide_mm_s=20.0,
+    clip_slide_mm_s=30.0,
+    flight_s=0.0,
+    cpu_s=8.0,
+    survived={"push 50 N": (3, 4)},
+)
+JUMP = replace(WALK, label="cmu_bvh/jump.bvh", number=1, score_percent=15.0, flight_s=0.4)
+HELD = replace(
+    WALK,
+    label="other/wheel.bvh",
+    number=2,
+    score_percent=40.0,
+    free=False,
+    help_percent=9.0,
+    free_s=0.0,
+    survived={"push 50 N": (1, 4)},
+)
+BROKEN = Run(label="odd/none.bvh", number=3, error="it has no legs")
+RUNS = [WALK, JUMP, HELD, BROKEN]
+
+
+def test_a_run_comes_back_from_its_line() -> None:
+    assert Run.from_dict(json.loads(json.dumps(WALK.as_dict()))) == WALK
+    with pytest.raises(InvalidValue, match="label"):
+        Run.from_dict({"seed": 1})
+
+
+def test_groups_go_by_score_flight_and_length() -> None:
+    assert easy(WALK) and not dynamic(WALK)
+    assert dynamic(JUMP) and not easy(JUMP)
+    assert not easy(replace(WALK, seconds=11.0))
+    assert not easy(replace(WALK, label="other/walk.bvh"))
+    assert easy(replace(JUMP, score_percent=6.0)) and dynamic(replace(JUMP, score_percent=6.0))
+    assert not easy(replace(WALK, score_percent=None))
+
+
+def test_summaries_count_each_half_and_leave_out_what_failed() -> None:
+    rows = {(row[0], row[1]): dict(zip(SUMMARY_HEAD, row, strict=True)) for row in summaries(RUNS)}
+    whole = rows["all", "all"]
+    assert (whole["runs"], whole["free"]) == (3, 2)
+    assert whole["global mm"] == 10.0 and whole["CPU-s/s"] == 2.0
+    assert whole["help of the others % BW"] == 9.0
+    assert whole["slide <= clip's %"] == 100.0
+    assert rows["all", "held out"]["runs"] == 1
+    assert rows["everything else", "all"]["free %"] == 0.0
+
+
+def test_survival_adds_up_over_runs() -> None:
+    assert survival(RUNS) == [("push 50 N", 7, 12)]
+
+
+def test_the_worst_come_first_and_each_clip_once() -> None:
+    other = replace(HELD, seed=1, help_percent=12.0)
+    assert worst([*RUNS, other], 2) == [other, WALK]
+
+
+def test_every_row_has_a_cell_for_every_column() -> None:
+    rows = table(RUNS)
+    assert [len(row) for row in rows] == [len(HEAD)] * 4
+    assert rows[-1][-1] == "it has no legs"
+    assert rows[0][0] == "cmu_bvh/walk"
+
+
+def test_every_published_number_has_a_source() -> None:
+    assert all(tracker.source for tracker in TRACKERS)
+    numbered = [t for t in TRACKERS if t.success_percent is not None]
+    assert all(0.0 < t.success_percent <= 100.0 for t in numbered)
+    assert {t.checked for t in TRACKERS} <= {"source", "quoted", "memory"}
+
+
+def test_the_page_shows_both_sides_and_plays_the_worst(tmp_path) -> None:
+    clip = us.sample("gesture").trimmed(1.0, 1.2)
+    take = us.track(clip, us.Character.from_clip(clip))
+    path = tmp_path / "a.take.npz"
+    us.write(take, path)
+    run = run_of(take, "cmu_bvh/gesture.bvh", cpu_s=0.4, score_percent=1.0)
+    assert run.cost == pytest.approx(2.0, rel=1e-6)
+    assert run.relative_mm is not None and run.global_mm is not None
+    html = page_html([run, *RUNS], takes={(run.label, run.seed): path}, settings="Whole clips.")
+    assert html.count("<iframe") == 1
+    assert "PHC+" in html and "from memory" in html
+    assert all(text[:20] in html for text in DIFFERENT)
+    assert "it has no legs" in html
+    assert "Whole clips." in html
