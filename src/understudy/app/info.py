@@ -15,7 +15,9 @@ from understudy.app.reading import Reading, clip_from
 
 if TYPE_CHECKING:
     from understudy.character import Character
+    from understudy.feasibility import Feasibility
     from understudy.motion.clip import Clip
+    from understudy.performance import Performance
 
 STAYS = 0.05
 """A clip that ends nearer to where it started travels nowhere [m]."""
@@ -38,27 +40,37 @@ class Options(Body, Reading):
 
 def run(options: Options) -> Outcome:
     """Describe one clip."""
+    import understudy as us
+
     clip = clip_from(options.clip, options)
     character = character_for(clip, options)
-    changes = preparation(clip, character)
+    performance = us.tracked(clip, character)
+    changes = preparation(clip, character, performance)
+    found = outlook(performance)
     result = {
         "clip": options.clip,
         **described(clip),
         **whereabouts(clip, character),
         "preparation": changes,
+        "feasibility": None if found is None else found.as_dict(),
         "character": embodied(character),
     }
-    return Outcome(result=result, text=text(clip, character, changes))
+    return Outcome(result=result, text=text(clip, character, changes, found))
 
 
-def preparation(clip: Clip, character: Character) -> list[str]:
+def preparation(clip: Clip, character: Character, performance: Performance) -> list[str]:
     """What would be changed before the body performs the clip: repairs, feet set on the ground."""
-    import understudy as us
-
-    (tracking, *_) = us.tracked(clip, character).controllers
+    (tracking, *_) = performance.controllers
     reference: Clip = getattr(tracking, "reference", clip)
     known = {*clip.notes, *character.notes}
     return [note for note in reference.notes if note not in known]
+
+
+def outlook(performance: Performance) -> Feasibility | None:
+    """Whether the body can perform the clip without help; None where there is no ground."""
+    from understudy.feasibility import assess
+
+    return None if performance.scene.ground is None else assess(performance)
 
 
 def described(clip: Clip) -> dict[str, Any]:
@@ -145,7 +157,9 @@ def lowest(clip: Clip) -> float:
     return float(min(heights))
 
 
-def text(clip: Clip, character: Character, changes: Sequence[str]) -> str:
+def text(
+    clip: Clip, character: Character, changes: Sequence[str], found: Feasibility | None
+) -> str:
     """What a person reads."""
     lines = [
         f"{clip.name}: {len(clip.skeleton)} joints, {clip.frames} frames at {clip.rate:g} Hz, "
@@ -159,6 +173,9 @@ def text(clip: Clip, character: Character, changes: Sequence[str]) -> str:
     ]
     if changes:
         lines += ["", "before the body performs it:", *(f"  {note}" for note in changes)]
+    if found is not None:
+        lines += ["", "what the ground cannot give, in % of body weight:", f"  {found}"]
+        lines += [f"  {moment}" for moment in found.moments]
     if character.humanoid:
         lines += ["", "roles:", *(f"  {line}" for line in str(character.roles).splitlines())]
     else:

@@ -111,6 +111,7 @@ def performed(job: Job) -> Row:
     character = character_for(clip, job.body)
     take = us.track(clip, character, **job.settings)
     found, (reference,) = certificate(take), take.references
+    found["feasibility"] = foreseen(take)
     with staged(job.folder, job.name, keep=job.keep) as (folder, files):
         write_all(take, folder, job)
         text = json.dumps(plain(found), indent=2, ensure_ascii=False, allow_nan=False)
@@ -123,6 +124,15 @@ def performed(job: Job) -> Row:
         notes=() if reference is None else reference.notes,
         wall_s=time.monotonic() - started,
     )
+
+
+def foreseen(take: Take) -> dict[str, Any] | None:
+    """What the ground cannot give to the motion; None where there is no ground."""
+    from understudy.feasibility import assess
+
+    if take.performance is None or take.scene.ground is None:
+        return None
+    return assess(take.performance).as_dict()
 
 
 def write_all(take: Take, folder: Path, job: Job) -> None:

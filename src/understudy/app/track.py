@@ -26,6 +26,8 @@ EXAMPLE = """\
   understudy track walk.bvh --character child --law paper --video"""
 
 HELP_FROM_ABOVE = """\
+missing: the force that the clip needs and the ground cannot give, root mean square, in % of body
+weight. Up to 7: it will stand free; up to 20: it may; more: it cannot, as the scene is.
 help: outside force on the pelvis, mean / peak, in % of body weight. 0: nothing but contact holds
 the body. A mean up to 5: it almost stands by itself; 5 to 30: a light hand from above; more: it is
 held up. A led pelvis always is."""
@@ -225,7 +227,10 @@ def summary(row: Row) -> str:
     )
 
 
-HEAD = ("clip", "seconds", "joints deg rms", "hands mm", "feet mm", "lag ms", "help %")
+HEAD = (
+    *("clip", "seconds", "joints deg rms", "hands mm", "feet mm", "lag ms"),
+    *("missing %", "help %"),
+)
 
 
 def figures(row: Row) -> tuple[str, ...]:
@@ -244,6 +249,7 @@ def figures(row: Row) -> tuple[str, ...]:
         number(one["hands_mm"], ".1f"),
         number(one["feet_mm"], ".1f"),
         number(one["lag_ms"], "z.0f"),
+        number((whole["feasibility"] or {}).get("score_percent"), ".0f"),
         ("0" if one["fully_physical"] else held) + ("" if one["fell_s"] is None else ", fell"),
     )
 
@@ -257,6 +263,8 @@ def text(rows: Sequence[Row]) -> str:
     parts += ["", HELP_FROM_ABOVE]
     if len(rows) == 1:
         parts += ["", *folded(done[0].certificate["statement"])]
+        foreseen = done[0].certificate["feasibility"]
+        parts += folded(f"Missing {foreseen['statement']}") if foreseen else []
         parts += [line for note in done[0].notes for line in folded(note, "  ")]
     elif count := sum(len(row.notes) for row in done):
         parts += ["", f"{counted(count, 'note')} on what was read and changed: in each NAME.html."]

@@ -295,6 +295,16 @@ def sole_points(character: Character) -> list[tuple[int, Array, float]]:
     ]
 
 
+def sole_paths(clip: Clip, character: Character, *, side: str = "") -> Array:
+    """World path of the lowest point of every sole sphere [m], shape (frames, points, 3).
+
+    Of both feet, or of the "left" or "right".
+    """
+    found = zip(*_paths(clip, character, "feet"), strict=True)
+    paths = [path for path, link in found if character.links[link].joint.startswith(side)]
+    return np.stack(paths, axis=1) if paths else np.zeros((clip.frames, 0, 3))
+
+
 def sole_heights(clip: Clip, character: Character) -> Array:
     """Height of every sole point over z = 0 [m], shape (frames, points)."""
     return _sole_motion(clip, character, None)[0]

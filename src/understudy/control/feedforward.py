@@ -106,7 +106,14 @@ def contact_points(model: mujoco.MjModel, part: Part) -> list[tuple[int, Array, 
 
 
 def required(
-    scene: Scene, model: mujoco.MjModel, character: int, clip: Clip, *, contact: bool
+    scene: Scene,
+    model: mujoco.MjModel,
+    character: int,
+    clip: Clip,
+    *,
+    contact: bool,
+    reach: float = NEAR_GROUND,
+    smoothing: float = SMOOTHING,
 ) -> Required:
     """What `clip`, on the character's skeleton, requires frame by frame.
 
@@ -116,11 +123,13 @@ def required(
         character: Which of its characters.
         clip: The reference.
         contact: Whether ground contact may explain the root's part.
+        reach: Height over the ground from which a point bears nothing [m].
+        smoothing: Window of the derivatives that give accelerations [s].
     """
     part = scene.parts[character]
     reference = sampled(clip, clip.times)
     velocities = reference.qvel()
-    changes = derivative(velocities, clip.rate, smoothing=SMOOTHING)
+    changes = derivative(velocities, clip.rate, smoothing=smoothing)
     positions = reference.qpos()
     quiet = _quiet_copy(model)
     data = mujoco.MjData(quiet)
@@ -149,14 +158,14 @@ def required(
         heights, pushes = soles[:, 2], edges
         if uneven is not None:
             heights, pushes = soles[:, 2] - uneven.height(soles), _leaning(edges, uneven, soles)
-        near = np.flatnonzero(heights < NEAR_GROUND)
+        near = np.flatnonzero(heights < reach)
         if not len(near):
             continue
         columns = np.empty((4 * len(near), dofs))
         for row, point in enumerate(near):
             mujoco.mj_jac(quiet, data, jacobian, None, soles[point], bodies[point])
             # A point half way up may bear all of it, one at the limit almost nothing.
-            weight = min(1.0, max(0.05, 2.0 - 2.0 * heights[point] / NEAR_GROUND))
+            weight = min(1.0, max(0.05, 2.0 - 2.0 * heights[point] / reach))
             edge = pushes if pushes.ndim == 2 else pushes[point]
             np.dot(weight * edge, jacobian[:, part.dofs], out=columns[4 * row : 4 * row + 4])
         # A little ridge: of the many ways to share a load the most even one.

@@ -1,0 +1,10 @@
+"""Whether a motion can be performed without help, said before it is simulated.
+
+In: a `Performance` that tracks a clip. Out: a `Feasibility`: the force and torque at the pelvis
+that contact with the ground cannot explain, over time, one score, and why.
+"""
+
+from understudy.feasibility.assess import Feasibility, assess
+from understudy.feasibility.reasons import Moment
+
+__all__ = ["Feasibility", "Moment", "assess"]
