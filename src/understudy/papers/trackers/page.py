@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html as markup
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -99,36 +99,32 @@ def _survival(runs: Sequence[Run]) -> list[str]:
 
 
 def _beside(runs: Sequence[Run]) -> Sheet:
-    rows: list[tuple[Any, ...]] = [
-        (
-            tracker.name,
-            "published",
-            tracker.motions,
-            tracker.success_percent,
-            tracker.global_mm,
-            tracker.relative_mm,
-            tracker.cost,
-            tracker.differs,
-            f"{tracker.source}; {_CHECKED[tracker.checked]}",
+    rows = [_own(runs)] if runs else []
+    for tracker in TRACKERS:
+        notes = "; ".join(filter(None, (tracker.cost, tracker.differs)))
+        rows.append(
+            (
+                f"{tracker.name}: {tracker.by}",
+                tracker.motions,
+                tracker.success_percent,
+                tracker.global_mm,
+                tracker.relative_mm,
+                notes,
+                f"{tracker.source} ({_CHECKED[tracker.checked]})",
+            )
         )
-        for tracker in TRACKERS
-    ]
-    if runs:
-        rows.append(_own(runs))
     return Sheet(
         name="Published trackers",
-        caption="Success by the rule that the joints' mean distance stays below 0.5 m; ours also "
-        "without any force on the root. Mean distances of joints, ours over successful runs.",
+        caption="Success: the joints' mean distance stays below 0.5 m; ours also without any force "
+        "on the root. Mean distances of joints, ours over the successful runs.",
         head=(
             "Tracker",
-            "",
             "motions",
             "success %",
             "global mm",
             "root-relative mm",
-            "cost",
-            "differs",
-            "source",
+            "cost, and what differs",
+            "source of the numbers",
         ),
         rows=tuple(rows),
     )
@@ -138,21 +134,21 @@ def _own(runs: Sequence[Run]) -> tuple[Any, ...]:
     good = [run for run in runs if run.success]
     cost = middle(run.cost for run in runs)
     return (
-        "Understudy",
-        "measured here",
+        "Understudy, measured here",
         f"{len({run.label for run in runs})} clips, each searched by itself",
-        100.0 * len(good) / len(runs),
+        round(100.0 * len(good) / len(runs), 1),
         _mean(run.global_mm for run in good),
         _mean(run.relative_mm for run in good),
-        "" if cost is None else f"no training; {cost:.1f} s on one core per second of motion",
-        "body with the clip's bones and human strength, in MuJoCo",
+        "no training"
+        + ("" if cost is None else f"; {cost:.1f} s on one core per second of motion")
+        + "; the clip's own bones, human strength, MuJoCo",
         "this page",
     )
 
 
-def _mean(values: Any) -> float | None:
+def _mean(values: Iterable[float | None]) -> float | None:
     found = [v for v in values if v is not None]
-    return sum(found) / len(found) if found else None
+    return round(sum(found) / len(found), 1) if found else None
 
 
 def _every(runs: Sequence[Run]) -> Sheet:
@@ -160,10 +156,19 @@ def _every(runs: Sequence[Run]) -> Sheet:
         name="Runs",
         caption="Help: root mean square outside force on the root, % of body weight. s free: time "
         "without it before the body was lost. Slide: of the feet, and of the cleaned clip's. "
-        "Torque: the largest of any joint. Shake: joint accelerations over the clip's.",
+        "Torque: the largest of any joint, and the largest share of a human limit. Shake: joint "
+        "accelerations over the clip's.",
         head=HEAD,
-        rows=tuple(table(runs)),
+        rows=tuple(tuple(_number(cell) for cell in row) for row in table(runs)),
     )
+
+
+def _number(cell: str) -> str | float | None:
+    """A cell as a number where it is one, so that its column is set as one."""
+    try:
+        return float(cell)
+    except ValueError:
+        return None if cell in ("", "-") else cell
 
 
 def _players(runs: Sequence[Run], takes: Mapping[tuple[str, int], Path]) -> list[str]:
@@ -189,6 +194,9 @@ def _players(runs: Sequence[Run], takes: Mapping[tuple[str, int], Path]) -> list
 
 
 _STYLE = """
+.wide td,.wide tbody th{vertical-align:top}
+[aria-label="Published trackers"] tbody th{white-space:normal;min-width:10rem}
+[aria-label="Published trackers"] td.words{min-width:8rem}
 iframe{display:block;width:100%;height:clamp(18rem,45vw,28rem);border:1px solid var(--rule);
  border-radius:.4rem;background:#dfe6ee}
 @media print{iframe{display:none}}

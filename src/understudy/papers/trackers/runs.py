@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from statistics import median
@@ -268,7 +268,7 @@ def worst(runs: Sequence[Run], count: int = 10) -> list[Run]:
     return list(found.values())[:count]
 
 
-def middle(values: Any) -> float | None:
+def middle(values: Iterable[float | None]) -> float | None:
     """Median of the values that exist; None where there are none."""
     found = [v for v in values if v is not None]
     return float(median(found)) if found else None
