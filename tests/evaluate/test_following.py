@@ -11,7 +11,8 @@ import understudy as us
 from bodies import chain, still
 from understudy.control import Tracking
 from understudy.errors import InvalidValue
-from understudy.evaluate import following, measured
+from understudy.evaluate import certificate, following, measured, score
+from understudy.evaluate.certificate import statement
 from understudy.evaluate.following import flight_time, mass_center
 from understudy.performance import Performance
 from understudy.scene import Scene
@@ -97,3 +98,19 @@ def test_without_a_clip_there_is_nothing_to_follow() -> None:
     take = replace(held(), references=(None,))
     with pytest.raises(InvalidValue, match="no reference clip"):
         following(take)
+
+
+def test_the_certificate_says_how_the_body_followed() -> None:
+    found = certificate(held())
+    (one,) = found["characters"]
+    assert one["following"]["lost_s"] == following(held()).lost_s
+    assert one["following"]["free"] is False
+    (unled,) = certificate(replace(held(), references=(None,)))["characters"]
+    assert unled["following"] is None
+
+
+def test_a_free_body_that_needs_help_is_told_the_least_that_was_found() -> None:
+    s = replace(score(held()), root_force_mean_percent=4.0, root_force_peak_percent=9.0)
+    said = statement(replace(s, fell_s=None))
+    assert said.startswith("Without help it was lost. The least that was found")
+    assert "4.0 % of body weight on average (peak 9.0 %)" in said

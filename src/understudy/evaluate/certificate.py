@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from understudy.evaluate.events import ContactEvent, contact_events
 from understudy.evaluate.feet import footfalls, without_footfalls
+from understudy.evaluate.following import following
 from understudy.evaluate.measure import Measured, measured
 from understudy.evaluate.outcomes import outcomes
 from understudy.evaluate.pushes import push_events, pushed
@@ -81,6 +82,9 @@ def certificate(
                 "statement": statement(s),
                 "fully_physical": s.fully_physical,
                 **{key: v for key, v in s.as_dict().items() if key not in shared},
+                "following": None
+                if take.references[k] is None
+                else following(take, character=k, measures=m).as_dict(),
             }
             for k, s in enumerate(scores)
         ],
@@ -160,6 +164,11 @@ def _held(s: Score) -> str:
         return (
             f"The pelvis is led along the clip by an outside force of {force} that {carried}: "
             "the other links are simulated, balance is not."
+        )
+    if not s.fully_physical and s.pelvis == "free":
+        return (
+            f"Without help it was lost. The least that was found: an outside force on the root of "
+            f"{force}; it {carried}: not fully physical."
         )
     if not s.fully_physical:
         return f"An outside force on the root of {force} helps and {carried}: not fully physical."

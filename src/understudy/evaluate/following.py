@@ -48,7 +48,7 @@ class Following:
         help_peak_percent: Its peak [% of body weight].
         joint_position_mm: Mean distance of joints from the clip's, in the world [mm].
         joint_position_peak_mm: Largest mean over the joints at one time [mm].
-        joint_relative_mm: The same as joint_position_mm with both roots at one place, not turned [mm].
+        joint_relative_mm: As joint_position_mm, with both roots at one place, not turned [mm].
         com_mm: Root mean square distance of the centers of mass [mm].
         com_peak_mm: Its peak [mm].
         shake: Root mean square angular acceleration of the joints over that of the clip; above 1
