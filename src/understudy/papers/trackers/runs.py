@@ -12,8 +12,10 @@ from understudy.errors import InvalidValue
 from understudy.evaluate.following import following
 from understudy.evaluate.measure import measured
 from understudy.evaluate.score import score
+from understudy.feasibility import assess
 
 if TYPE_CHECKING:
+    from understudy.performance import Performance
     from understudy.take import Take
 
 EASY_SCORE, DYNAMIC_SCORE = 7.0, 20.0
@@ -127,7 +129,6 @@ def run_of(
     *,
     number: int = 0,
     cpu_s: float | None = None,
-    score_percent: float | None = None,
 ) -> Run:
     """Measure a take of a tracked clip.
 
@@ -136,7 +137,6 @@ def run_of(
         label: The clip's path in its folder.
         number: Its place there.
         cpu_s: Processor time it took [s].
-        score_percent: What its poses leave unexplained [% of body weight].
     """
     m = measured(take)
     s, f = score(take, measures=m), following(take, measures=m)
@@ -145,7 +145,7 @@ def run_of(
         number=number,
         seed=take.seed,
         seconds=f.duration_s,
-        score_percent=score_percent,
+        score_percent=missing(take.performance),
         free=f.free,
         help_percent=f.help_percent,
         free_s=f.free_s,
@@ -164,6 +164,13 @@ def run_of(
         flight_s=f.clip_flight_s,
         cpu_s=cpu_s,
     )
+
+
+def missing(performance: Performance | None) -> float | None:
+    """Score of the clip that a performance tracks [% of body weight]; None without ground."""
+    if performance is None or performance.scene.ground is None:
+        return None
+    return assess(performance).score
 
 
 def easy(run: Run) -> bool:
