@@ -228,6 +228,20 @@ def test_the_table_says_that_a_body_fell(out):
     assert track.figures(row)[-1] == "0, fell"
 
 
+def test_a_free_body_gets_columns_of_its_own(out):
+    saved = json.loads((out / "wave.json").read_text(encoding="utf-8"))
+    held = performing.Row(clip="wave.bvh", name="wave", certificate=saved)
+    assert "s free" not in track.text([held])
+    saved["characters"][0]["pelvis"] = "free"
+    saved["characters"][0]["following"] |= {"free_s": 0.42, "com_mm": 7.25}
+    loose = performing.Row(clip="wave.bvh", name="wave", certificate=saved)
+    shown = track.text([loose])
+    head, _, line = shown.splitlines()[:3]
+    assert head.split("  ")[0] == "clip" and "s free" in head and "hands mm" not in head
+    assert " 0.42 " in line and " 7." in line
+    assert "s free 0.42" in track.summary(loose)
+
+
 def test_a_number_stays_on_the_line_of_its_percent_sign():
     for width in range(80, 100):
         lines = track.folded("x" * width + " 12 % of the weight")

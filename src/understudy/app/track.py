@@ -32,6 +32,10 @@ help: outside force on the pelvis, mean / peak, in % of body weight. 0: nothing 
 the body. A mean up to 5: it almost stands by itself; 5 to 30: a light hand from above; more: it is
 held up. A led pelvis always is."""
 
+FREELY = """\
+s free: time without any outside force before the body was lost. CoM, global: distance of the center
+of mass (root mean square) and of the joints (mean) from the prepared clip's, in the world."""
+
 _DIED = "its process died, perhaps for lack of memory; trim the clip or lower --jobs."
 
 
@@ -221,37 +225,61 @@ def summary(row: Row) -> str:
     """One line on one clip."""
     if row.error:
         return f"failed: {row.error}"
-    cells = dict(zip(HEAD[1:], figures(row), strict=True))
-    return ", ".join(
-        f"{name} {cells[name]}" for name in ("joints deg rms", "hands mm", "lag ms", "help %")
-    )
+    found = cells(row)
+    chosen = FREE_BRIEF if free([row]) else BRIEF
+    return ", ".join(f"{name} {found[name]}" for name in chosen)
 
 
 HEAD = (
     *("clip", "seconds", "joints deg rms", "hands mm", "feet mm", "lag ms"),
     *("missing %", "help %"),
 )
+FREE_HEAD = (
+    *("clip", "seconds", "s free", "joints deg rms", "CoM mm", "global mm"),
+    *("CPU s", "missing %", "help %"),
+)
+"""Columns where the pelvis is free: how far off the body is in the world, and the cost."""
+BRIEF = ("joints deg rms", "hands mm", "lag ms", "help %")
+FREE_BRIEF = ("s free", "joints deg rms", "global mm", "help %")
 
 
-def figures(row: Row) -> tuple[str, ...]:
+def free(rows: Sequence[Row]) -> bool:
+    """Whether all clips that were performed had a free pelvis."""
+    done = [row.certificate["characters"][0] for row in rows if not row.error]
+    return bool(done) and all(one["pelvis"] == "free" and one["following"] for one in done)
+
+
+def figures(row: Row, head: Sequence[str] = HEAD) -> tuple[str, ...]:
     """The row's cells after its name."""
     if row.error:
-        return ("failed", *[""] * (len(HEAD) - 2))
+        return ("failed", *[""] * (len(head) - 2))
+    found = cells(row)
+    return tuple(found[name] for name in head[1:])
+
+
+def cells(row: Row) -> dict[str, str]:
+    """Every figure of a clip that was performed, under its column's name."""
     whole, one = row.certificate, row.certificate["characters"][0]
+    followed = one["following"] or {}
 
     def number(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
 
     held = f"{one['root_force_mean_percent']:.0f} / {one['root_force_peak_percent']:.0f}"
-    return (
-        number(whole["duration_s"], ".2f"),
-        number(one["joint_error_deg"], ".2f"),
-        number(one["hands_mm"], ".1f"),
-        number(one["feet_mm"], ".1f"),
-        number(one["lag_ms"], "z.0f"),
-        number((whole["feasibility"] or {}).get("score_percent"), ".0f"),
-        ("0" if one["fully_physical"] else held) + ("" if one["fell_s"] is None else ", fell"),
-    )
+    return {
+        "seconds": number(whole["duration_s"], ".2f"),
+        "s free": number(followed.get("free_s"), ".2f"),
+        "joints deg rms": number(one["joint_error_deg"], ".2f"),
+        "hands mm": number(one["hands_mm"], ".1f"),
+        "feet mm": number(one["feet_mm"], ".1f"),
+        "CoM mm": number(followed.get("com_mm"), ".1f"),
+        "global mm": number(one["joint_position_mm"], ".1f"),
+        "lag ms": number(one["lag_ms"], "z.0f"),
+        "CPU s": number(whole["timing"].get("cpu_seconds"), ".1f"),
+        "missing %": number((whole["feasibility"] or {}).get("score_percent"), ".0f"),
+        "help %": ("0" if one["fully_physical"] else held)
+        + ("" if one["fell_s"] is None else ", fell"),
+    }
 
 
 def text(rows: Sequence[Row]) -> str:
@@ -259,8 +287,10 @@ def text(rows: Sequence[Row]) -> str:
     done = [row for row in rows if not row.error]
     if not done:
         return "" if len(rows) == 1 else f"All {len(rows)} clips failed."
-    parts = [table([HEAD, *((row.name, *figures(row)) for row in rows)], right=range(1, len(HEAD)))]
-    parts += ["", HELP_FROM_ABOVE]
+    head = FREE_HEAD if free(rows) else HEAD
+    lines = [(row.name, *figures(row, head)) for row in rows]
+    parts = [table([head, *lines], right=range(1, len(head)))]
+    parts += ["", *([FREELY] if free(rows) else []), HELP_FROM_ABOVE]
     if len(rows) == 1:
         parts += ["", *folded(done[0].certificate["statement"])]
         foreseen = done[0].certificate["feasibility"]
