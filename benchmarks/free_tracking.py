@@ -25,7 +25,7 @@ from understudy.app.outcome import plain
 from understudy.app.outcome import table as columns
 from understudy.app.workers import each
 from understudy.motion.files import written
-from understudy.papers.trackers import Run, page_html, run_of, summaries, table
+from understudy.papers.trackers import Run, page_html, replays, run_of, summaries, table
 from understudy.papers.trackers.runs import HEAD, SUMMARY_HEAD, survival
 
 
@@ -54,7 +54,7 @@ def main() -> None:
         os.environ[name] = "1"  # the workers', who read it before they start
     options.out.mkdir(parents=True, exist_ok=True)
     kept = options.out / "runs.jsonl"
-    settings = {"limit": options.limit, "pelvis": options.pelvis}
+    settings = {key: getattr(options, key) for key in ("limit", "pelvis", "replays")}
     runs = read(kept, settings)
     jobs = list(wanted(options))
     have = {(run.label, run.seed) for run in runs}
@@ -153,7 +153,8 @@ def tracked(job: Job) -> Run:
     job.take.parent.mkdir(parents=True, exist_ok=True)
     us.write(take, job.take)
     run = run_of(take, job.label, number=job.number, cpu_s=spent)
-    return replace(run, seed=job.seed)
+    survived = replays(take.performance) if job.replays and run.free else {}
+    return replace(run, seed=job.seed, survived=survived)
 
 
 def text(runs: list[Run]) -> str:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import understudy as us
+from understudy.control import Push
 from understudy.errors import InvalidValue
 from understudy.papers.trackers import (
     DIFFERENT,
@@ -18,7 +20,9 @@ from understudy.papers.trackers import (
     summaries,
     table,
 )
+from understudy.papers.trackers.replays import changed, kept
 from understudy.papers.trackers.runs import HEAD, SUMMARY_HEAD, dynamic, easy, survival, worst
+from understudy.simulate import prepared
 
 WALK = Run(
     label="cmu_bvh/walk.bvh",
@@ -117,3 +121,39 @@ def test_the_page_shows_both_sides_and_plays_the_worst(tmp_path) -> None:
     assert all(text[:20] in html for text in DIFFERENT)
     assert "it has no legs" in html
     assert "Whole clips." in html
+
+
+def test_replays_change_one_thing_each() -> None:
+    clip = us.sample("gesture").trimmed(1.0, 1.2)
+    performance = us.tracked(clip, us.Character.from_clip(clip))
+    found = changed(performance)
+    assert {name: len(each) for name, each in found.items()} == {
+        "push of 50 N": 12,
+        "push of 100 N": 12,
+        "friction 0.6": 1,
+        "mass + 5 %": 1,
+        "mass - 5 %": 1,
+        "gains - 10 %": 1,
+    }
+    before = performance.scene.model
+    (slippery,), (heavier,) = found["friction 0.6"], found["mass + 5 %"]
+    assert slippery.scene.ground is not None and slippery.scene.ground.friction == 0.6
+    assert heavier.scene.model.body_mass.sum() == pytest.approx(1.05 * before.body_mass.sum())
+    (weaker,) = found["gains - 10 %"]
+    usual, weak = prepared(performance)[0], prepared(weaker)[0]
+    joints = list(performance.scene.parts[0].joint_actuators)
+    for now, then in (
+        (weak.actuator_gainprm, usual.actuator_gainprm),
+        (weak.actuator_biasprm, usual.actuator_biasprm),
+    ):
+        assert np.allclose(now[joints], 0.9 * then[joints])
+    pushes = [one.controllers[-1] for one in found["push of 50 N"]]
+    assert all(isinstance(p, Push) and np.linalg.norm(p.impulse) == 5.0 for p in pushes)
+
+
+def test_a_replay_is_kept_until_it_is_lost() -> None:
+    clip = us.sample("gesture").trimmed(1.0, 1.6)
+    performance = us.tracked(clip, us.Character.from_clip(clip))
+    assert kept(performance)
+    push = Push(time=0.1, on="pelvis", impulse=(3000.0, 0.0, 0.0))
+    assert not kept(replace(performance, controllers=(*performance.controllers, push)))

@@ -6,6 +6,7 @@ page with the table, the published figures beside it and players of the worst.
 
 from understudy.papers.trackers.page import page_html
 from understudy.papers.trackers.published import DIFFERENT, TRACKERS, Tracker
+from understudy.papers.trackers.replays import replays
 from understudy.papers.trackers.runs import Run, run_of, summaries, table
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "Run",
     "Tracker",
     "page_html",
+    "replays",
     "run_of",
     "summaries",
     "table",
