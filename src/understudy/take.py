@@ -100,9 +100,8 @@ class Take:
 
         Args:
             character: Which of the scene's characters.
-            rate: Frames per second [Hz]; by default that of the tracked clip, of an athlete 120. The
-                nearest rate that divides the take's evenly is used, so every frame is a simulated
-                state.
+            rate: Frames per second [Hz]; by default that of the tracked clip, an athlete 120. The
+                nearest that divides the take's evenly is used: every frame is a simulated state.
         """
         reference, body = self.references[character], self.scene.characters[character]
         if rate is None and reference is not None:
