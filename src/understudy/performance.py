@@ -13,6 +13,7 @@ import numpy as np
 from understudy.athletics.course import Course
 from understudy.athletics.gains import Schedule, shipped
 from understudy.athletics.running import TIMESTEP, Running
+from understudy.athletics.upper import UpperBody
 from understudy.character import Athlete, Character, Linkage, athlete_man, retargeted
 from understudy.character.body import SelfCollision
 from understudy.character.build import size_doubts
@@ -171,6 +172,7 @@ def running(
     schedule: Schedule | None = None,
     ground: Ground | None = None,
     timestep: float = TIMESTEP,
+    upper: Clip | UpperBody | None = None,
     disturbances: Sequence[Disturbance] = (),
 ) -> Performance:
     """The performance of one athlete running.
@@ -182,6 +184,8 @@ def running(
         schedule: Gains; by default those that come with the package.
         ground: By default level.
         timestep: [s].
+        upper: A clip whose waist, neck and arms the runner shows; one of running is locked to the
+            stride, another begins after half a second (`UpperBody` says otherwise).
         disturbances: Pushes.
     """
     body = athlete_man() if athlete is None else athlete
@@ -193,7 +197,11 @@ def running(
         course=Course() if course is None else course,
         schedule=shipped() if schedule is None else schedule,
     )
-    return Performance(scene=scene, controllers=(controller, *disturbances), duration=duration)
+    layers = () if upper is None else (UpperBody(clip=upper) if isinstance(upper, Clip) else upper,)
+    expect(upper, (Clip, UpperBody, type(None)), "upper", "a Clip or an UpperBody")
+    return Performance(
+        scene=scene, controllers=(controller, *layers, *disturbances), duration=duration
+    )
 
 
 def together(

@@ -40,6 +40,14 @@ def test_several_run_in_lanes_each_with_files_of_its_own(tmp_path, capsys):
     assert len(us.load_take(tmp_path / "running.take.npz").scene.characters) == 2
 
 
+def test_a_clip_is_laid_on_the_upper_body(tmp_path, capsys):
+    words = ["athlete", "running", "--upper", "sample:gesture", "--seconds", "2"]
+    assert main([*words, "--out", str(tmp_path)]) == 0
+    assert "upper hands mm" in capsys.readouterr().out
+    saved = json.loads((tmp_path / "running.json").read_text())
+    assert saved["upper"]["clip"] == "gesture" and saved["upper"]["joint_error_deg"] < 3.0
+
+
 def test_as_many_run_as_a_track_has_lanes(capsys):
     assert main(["athlete", "running", "--runners", "9"]) == 2
     assert "--runners is 9" in capsys.readouterr().err

@@ -11,6 +11,7 @@ from tyro.conf import Positional, arg
 
 from understudy.app.outcome import Outcome, plain, table
 from understudy.app.performing import ready, staged
+from understudy.app.reading import Reading, clip_from
 from understudy.errors import InvalidValue, UnderstudyError
 
 if TYPE_CHECKING:
@@ -25,7 +26,8 @@ EXAMPLE = """\
   understudy athlete running --speed 0:2.5,8:5,16:2.5 --seconds 20 --stills
   understudy athlete running --path track-400m --speed 4 --seconds 110
   understudy athlete running --heading 0:0,5:0,8.1:90 --push 12:0,70 --seconds 16
-  understudy athlete running --runners 4 --character mixed --stills"""
+  understudy athlete running --runners 4 --character mixed --stills
+  understudy athlete running --upper sample:gesture --seconds 8"""
 
 # Runners side by side are this far apart, as lanes of a track are [m]; there are as many of those.
 _LANE, _LANES = 1.22, 8
@@ -50,6 +52,7 @@ class Options:
         character: man, woman, or of several runners mixed: a man, a woman and so on.
         runners: How many, in lanes 1.22 m apart, each to the right of the one before.
         push: TIME:FORWARD,LEFT in N s at the chest of the first, in the world; may be given again.
+        upper: Clip whose waist, neck and arms the runners show; a run's go with the stride.
         beside: Motion to show beside the run, such as a captured one; may be given up to 3 times.
         friction: Of the ground.
         timestep: Physics step [s].
@@ -70,8 +73,9 @@ class Options:
     push: Annotated[
         tuple[str, ...], arg(metavar="T:X,Y", help_behavior_hint="(default: none)")
     ] = ()
+    upper: Annotated[str | None, arg(metavar="CLIP", help_behavior_hint="(default: none)")] = None
     beside: Annotated[
-        tuple[Path, ...], arg(metavar="FILE", help_behavior_hint="(default: none)")
+        tuple[str, ...], arg(metavar="CLIP", help_behavior_hint="(default: none)")
     ] = ()
     friction: Annotated[float, arg(metavar="MU")] = 1.0
     timestep: Annotated[float, arg(metavar="S")] = 0.001
@@ -90,7 +94,7 @@ def run(options: Options) -> Outcome:
 
     if len(options.beside) > MOST_BESIDE:
         raise InvalidValue(f"--beside was given {len(options.beside)} files; at most 3 are shown.")
-    captured = [us.read(file) for file in options.beside]
+    captured = [clip_from(word, Reading()) for word in options.beside]
     alone = _performances(options)
     ready(options.out)
     found = [_judged(options, one) for one in alone]
@@ -100,7 +104,7 @@ def run(options: Options) -> Outcome:
         performance = _until(performance, min(falls))
     take = us.simulate(performance, progress=True)
     for k, one in enumerate(found):
-        one |= _beside_people(take, k)
+        one |= _beside_people(take, k) | _layered(take, k)
     with staged(options.out, options.name) as (folder, files):
         _write(options, take, found, captured, folder)
     result = found[0] if len(found) == 1 else {"runners": found}
@@ -136,6 +140,16 @@ def _write(
     Path(f"{stem}.json").write_text(text + "\n", encoding="utf-8")
 
 
+def _layered(take: Take, character: int) -> dict[str, Any]:
+    """How well the clip on the upper body is followed; nothing without one."""
+    from understudy.evaluate.layered import layered
+
+    try:
+        return {"upper": layered(take, character=character).as_dict()}
+    except InvalidValue:
+        return {}
+
+
 def _performances(options: Options) -> list[Performance]:
     """Each runner alone."""
     from understudy.character import athlete
@@ -145,6 +159,7 @@ def _performances(options: Options) -> list[Performance]:
 
     if not 1 <= options.runners <= _LANES:
         raise InvalidValue(f"--runners is {options.runners}; it must be 1 to {_LANES}.")
+    upper = None if options.upper is None else clip_from(options.upper, Reading())
     kinds = ("man", "woman") if options.character == "mixed" else (options.character,)
     bodies: list[Athlete] = [athlete(kinds[k % len(kinds)]) for k in range(options.runners)]
     pushes = []
@@ -159,6 +174,7 @@ def _performances(options: Options) -> list[Performance]:
             duration=options.seconds,
             ground=Ground(friction=options.friction),
             timestep=options.timestep,
+            upper=upper,
             disturbances=pushes if k == 0 else (),
         )
         for k, body in enumerate(bodies)
@@ -293,11 +309,21 @@ def _figures(options: Options, character: str, seen: dict[str, float]) -> dict[s
 def _summary(found: list[dict[str, Any]], files: dict[str, str]) -> str:
     several = [str(one["character"]) for one in found]
     rows: list[tuple[str, ...]] = [("measured", *(several if len(found) > 1 else ["value"]))]
+    found = [one | _flat(one.get("upper")) for one in found]
     for name in found[0]:
         none = "no" if name == "fell_at_s" else "-"
         rows.append((name.replace("_", " "), *(_shown(one[name], none) for one in found)))
     listed = [f"  {path}" for path in files.values()]
     return "\n".join([table(rows, right=range(1, len(rows[0]))), "", "files:", *listed])
+
+
+def _flat(upper: dict[str, Any] | None) -> dict[str, Any]:
+    """The layer's figures as rows of their own."""
+    if upper is None:
+        return {}
+    return {"upper": upper["clip"]} | {
+        f"upper_{name}": upper[name] for name in ("joint_error_deg", "hands_mm")
+    }
 
 
 def _shown(value: Any, none: str) -> str:

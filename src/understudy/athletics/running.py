@@ -27,7 +27,7 @@ from understudy.motion.rotations import Array
 from understudy.scene import Scene
 
 # The body the gains are named for: mass [kg] times height [m].
-_NAMED_BODY = 70.0 * 1.75
+NAMED_BODY = 70.0 * 1.75
 TIMESTEP = 0.001
 # A made-up first flight: upward speed [m/s] at 3.5 m/s and per m/s, hips ahead and behind [rad].
 _CLIMB, _AHEAD, _BEHIND = (0.52, 0.095), (0.754, -0.097), (-0.267, -0.008)
@@ -102,7 +102,7 @@ class Running:
         out[law.P_CTRL], out[law.P_SENSORS] = part.joint_controls[0], model.sensor_adr[first]
         out[law.P_PELVIS], out[law.P_DT] = part.bodies[0], scene.timestep
         out[law.P_GRAVITY], out[law.P_WEIGHT] = gravity, body.mass * gravity
-        out[law.P_SCALE] = body.mass * body.height / _NAMED_BODY
+        out[law.P_SCALE] = body.mass * body.height / NAMED_BODY
         out[law.P_THIGH] = -float(body.link("left_knee").offset[2])
         out[law.P_SHANK] = -float(body.link("left_ankle").offset[2])
         out[law.P_HIP] = float(body.link("left_hip").offset[1])
