@@ -168,3 +168,15 @@ def test_report_tells_of_pushes(take: Take) -> None:
     row = re.search(r'<section id="pushes">.*?<tbody><tr>(.*?)</tr>', page)
     assert row and "chest" in row[1] and "200" in row[1]
     assert "Pushed from outside, on purpose: chest, " in page.split("</header>")[0]
+
+
+def test_a_free_body_gets_figures_of_its_own(page: str) -> None:
+    body = adult_woman()
+    clip = still(body, seconds=0.3)
+    tracking = Tracking(reference=clip, pelvis="free")
+    free = simulate(
+        Performance(scene=Scene(characters=(body,)), controllers=(tracking,), duration=0.3)
+    )
+    found = report_html(free)
+    assert "On its own feet" in found and "no outside force; to the end" in found
+    assert "On its own feet" not in page

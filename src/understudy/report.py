@@ -11,7 +11,8 @@ from understudy.errors import InvalidValue
 from understudy.evaluate import tables
 from understudy.evaluate.certificate import FULLY_PHYSICAL, called, scored, statement, verdict
 from understudy.evaluate.chart import SCRIPT, STYLE
-from understudy.evaluate.measure import measured
+from understudy.evaluate.following import Following, following
+from understudy.evaluate.measure import Measured, measured
 from understudy.evaluate.plots import all_charts
 from understudy.evaluate.pushes import push_events, pushed
 from understudy.evaluate.score import Score
@@ -40,7 +41,9 @@ def report_html(take: Take, *, title: str | None = None) -> str:
     for k, s in enumerate(scores):
         heading = called(take, scores, k) + (f": {s.clip}" if s.clip else "")
         several = f"<h2>{_text(heading)}</h2>" if len(scores) > 1 else "<h2>Figures</h2>"
-        parts.append(f'<section id="figures-{k}">{several}{_tiles(s)}</section>')
+        parts.append(
+            f'<section id="figures-{k}">{several}{_tiles(s, _followed(take, m, k))}</section>'
+        )
         charts = "".join(chart.html() for chart in all_charts(take, m, k))
         parts.append(f"<section><h2>Over time</h2>{charts}</section>" if charts else "")
         parts.append(_joints(s))
@@ -97,9 +100,16 @@ def _player(take: Take, name: str) -> str:
     )
 
 
-def _tiles(s: Score) -> str:
+def _followed(take: Take, m: Measured, character: int) -> Following | None:
+    if take.references[character] is None:
+        return None
+    return following(take, character=character, measures=m)
+
+
+def _tiles(s: Score, f: Following | None = None) -> str:
     groups = (
         ("Tracking", _tracking_tiles(s)),
+        ("On its own feet", [] if f is None or s.pelvis != "free" else _free_tiles(f)),
         ("Help from outside", _root_tiles(s)),
         ("Contact", _contact_tiles(s)),
         ("Effort", _effort_tiles(s)),
@@ -137,6 +147,17 @@ def _tracking_tiles(s: Score) -> list[Tile]:
     if s.feet_mm is not None:
         tiles.append(("Feet", _value(s.feet_mm, "mm", 1), "mean distance"))
     return tiles
+
+
+def _free_tiles(f: Following) -> list[Tile]:
+    until = "to the end" if f.lost_s is None else f"lost at {f.lost_s:.2f} s"
+    shake = [] if f.shake is None else [("Shake", f"{f.shake:.2f}", "accelerations, clip's = 1")]
+    return [
+        ("Free", _value(f.free_s, "s", 2), f"no outside force; {until}"),
+        ("Center of mass", _value(f.com_mm, "mm", 1), f"rms; peak {f.com_peak_mm:.0f} mm"),
+        ("Joints from the root", _value(f.joint_relative_mm, "mm", 1), "mean; root not turned"),
+        *shake,
+    ]
 
 
 def _root_tiles(s: Score) -> list[Tile]:
