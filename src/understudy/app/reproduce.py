@@ -110,19 +110,11 @@ def _zordan(options: Options, out: Path) -> Outcome:
 
 def told(found: zordan1999.Reproduced, files: dict[str, str]) -> str:
     """What the paper says of each figure, what was measured, and the files."""
+    from understudy.papers.finding import told_of
     from understudy.papers.zordan1999.page import QUICK
 
-    held, count = found.held
     parts = [QUICK] if found.quick else []
-    parts.append(f"gesture: {found.cast.source}")
-    for finding in found.findings:
-        if finding.claims:
-            lines = [f"{finding.name}. {finding.title}"]
-            for claim in finding.claims:
-                lines.append(f"  {'yes' if claim.holds else 'NO '}  {claim.said}")
-                lines.append(f"       {claim.measured}")
-            parts.append("\n".join(lines))
-    parts.append(f"{held} of {count} statements hold.")
+    parts += [f"gesture: {found.cast.source}", *told_of(found.findings)]
     return "\n\n".join([*parts, _listed(files)])
 
 

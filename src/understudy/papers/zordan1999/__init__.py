@@ -14,11 +14,11 @@ from pathlib import Path
 from tqdm import tqdm
 
 from understudy.motion.files import written
+from understudy.papers.finding import Finding, held_of
 from understudy.papers.sheets import as_csv, plain
 from understudy.papers.zordan1999.bow import bowing
 from understudy.papers.zordan1999.cast import Cast, casting
 from understudy.papers.zordan1999.drum import drumming
-from understudy.papers.zordan1999.finding import Finding
 from understudy.papers.zordan1999.gestures import gesturing
 from understudy.papers.zordan1999.patty_cake import clapping
 from understudy.papers.zordan1999.speeds import speeding
@@ -48,8 +48,7 @@ class Reproduced:
     @property
     def held(self) -> tuple[int, int]:
         """How many of the claims hold, and how many there are."""
-        claims = [claim for finding in self.findings for claim in finding.claims]
-        return sum(claim.holds for claim in claims), len(claims)
+        return held_of(self.findings)
 
 
 def reproduce(

@@ -18,8 +18,8 @@ from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
 from understudy.motion.samples.bowing import HELD, bow, trunk_tilt
 from understudy.papers.filmstrip import Film
+from understudy.papers.finding import Claim, Finding, Strip
 from understudy.papers.sheets import Sheet
-from understudy.papers.zordan1999.finding import Claim, Finding, Strip
 from understudy.performance import Performance, tracked
 from understudy.simulate import simulate, simulate_many
 from understudy.take import Take

@@ -21,14 +21,9 @@ from understudy.motion.rotations import Array
 from understudy.motion.samples import sample
 from understudy.motion.samples.striking import DRUM, HITS
 from understudy.papers.filmstrip import Film
+from understudy.papers.finding import Claim, Finding, Strip
 from understudy.papers.sheets import Sheet
-from understudy.papers.zordan1999.finding import (
-    Claim,
-    Finding,
-    Strip,
-    hand_of,
-    hand_path,
-)
+from understudy.papers.zordan1999.finding import hand_of, hand_path
 from understudy.papers.zordan1999.published import DRUM_SPACING
 from understudy.performance import Performance, tracked
 from understudy.scene import Drum

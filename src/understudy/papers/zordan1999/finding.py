@@ -1,83 +1,17 @@
-"""What was measured of one figure, and the paths that the measurements are made of."""
+"""Paths of hands and moments: what the measurements of the figures are made of."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
-
 import numpy as np
 
-from understudy.evaluate.chart import Chart
 from understudy.motion import rotations as rot
 from understudy.motion.arm import palm
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
-from understudy.papers.filmstrip import Film
-from understudy.papers.sheets import Sheet
 from understudy.take import Take
 
 # In sentences; tables say "paper" and "modern".
 LAW_NAMES = {"paper": "the paper's law", "modern": "modern law"}
-
-
-@dataclass(frozen=True, kw_only=True)
-class Claim:
-    """Something the paper says, and what was found.
-
-    Attributes:
-        said: By the paper, in words of ours.
-        measured: In one line, with numbers.
-        holds: Whether the numbers bear it out.
-    """
-
-    said: str
-    measured: str
-    holds: bool
-
-
-@dataclass(frozen=True, kw_only=True)
-class Strip:
-    """Rows of pictures that belong together.
-
-    Attributes:
-        alt: What is seen, in words.
-        films: The rows.
-        scale: See `films_html`.
-    """
-
-    alt: str
-    films: tuple[Film, ...] = field(repr=False)
-    scale: str = "own"
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Finding:
-    """One figure, or a part of one, run again.
-
-    Attributes:
-        figure: "4", or "8, staff".
-        title: Short.
-        setting: How it was made: clip, body, gains; a sentence or two.
-        claims: What the paper says, each with what was found.
-        charts: The figure's curves.
-        strips: Pictures.
-        sheets: All numbers.
-        facts: Plain numbers worth keeping.
-    """
-
-    figure: str
-    title: str
-    setting: str
-    claims: tuple[Claim, ...]
-    charts: tuple[Chart, ...] = ()
-    strips: tuple[Strip, ...] = field(default=(), repr=False)
-    sheets: tuple[Sheet, ...] = ()
-    facts: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def name(self) -> str:
-        """With its word: "Figure 4", "Figures 1 and 7"."""
-        return f"{'Figures' if ' and ' in self.figure else 'Figure'} {self.figure}"
 
 
 def hand_path(clip: Clip, side: str = "right") -> Array:

@@ -14,16 +14,10 @@ from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
 from understudy.papers.filmstrip import Film
+from understudy.papers.finding import Claim, Finding, Strip
 from understudy.papers.sheets import Sheet
 from understudy.papers.zordan1999.cast import Cast
-from understudy.papers.zordan1999.finding import (
-    LAW_NAMES,
-    Claim,
-    Finding,
-    Strip,
-    hand_path,
-    spread,
-)
+from understudy.papers.zordan1999.finding import LAW_NAMES, hand_path, spread
 from understudy.performance import tracked
 from understudy.simulate import simulate
 from understudy.take import Take

@@ -18,16 +18,10 @@ from understudy.motion.rotations import Array
 from understudy.motion.samples import sample
 from understudy.motion.samples.partner import CLAPS, PARTNER, boundaries, clap_times
 from understudy.papers.filmstrip import Film
+from understudy.papers.finding import Claim, Finding, Strip
 from understudy.papers.sheets import Sheet
 from understudy.papers.zordan1999.cast import CHILD_SCALE, paper_child
-from understudy.papers.zordan1999.finding import (
-    LAW_NAMES,
-    Claim,
-    Finding,
-    Strip,
-    at_times,
-    hand_path,
-)
+from understudy.papers.zordan1999.finding import LAW_NAMES, at_times, hand_path
 from understudy.papers.zordan1999.published import FASTER, PATTY_CAKE_SPACING
 from understudy.performance import together, tracked
 from understudy.simulate import simulate

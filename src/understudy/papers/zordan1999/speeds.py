@@ -12,16 +12,10 @@ from understudy.evaluate.chart import Chart, Series
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
+from understudy.papers.finding import Claim, Finding
 from understudy.papers.sheets import Sheet
 from understudy.papers.zordan1999.cast import Cast
-from understudy.papers.zordan1999.finding import (
-    Claim,
-    Finding,
-    acceleration_of,
-    at_times,
-    hand_path,
-    speed_of,
-)
+from understudy.papers.zordan1999.finding import acceleration_of, at_times, hand_path, speed_of
 from understudy.performance import tracked
 from understudy.simulate import simulate
 from understudy.take import Take

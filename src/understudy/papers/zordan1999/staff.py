@@ -14,9 +14,10 @@ from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
 from understudy.motion.samples import sample
 from understudy.papers.filmstrip import Film
+from understudy.papers.finding import Claim, Finding, Strip
 from understudy.papers.sheets import Sheet
 from understudy.papers.zordan1999.drum import played_back
-from understudy.papers.zordan1999.finding import Claim, Finding, Strip, spread
+from understudy.papers.zordan1999.finding import spread
 from understudy.performance import tracked
 from understudy.scene import Staff
 from understudy.simulate import simulate

@@ -16,17 +16,10 @@ from understudy.motion.rotations import Array
 from understudy.motion.samples import sample
 from understudy.motion.samples.partner import CLAPS, SLAP, boundaries, clap_times
 from understudy.papers.filmstrip import Film
+from understudy.papers.finding import Claim, Finding, Strip
 from understudy.papers.sheets import Sheet
 from understudy.papers.zordan1999.cast import paper_child
-from understudy.papers.zordan1999.finding import (
-    LAW_NAMES,
-    Claim,
-    Finding,
-    Strip,
-    hand_of,
-    hand_path,
-    speed_of,
-)
+from understudy.papers.zordan1999.finding import LAW_NAMES, hand_of, hand_path, speed_of
 from understudy.papers.zordan1999.patty_cake import APART, PAIRS, touching
 from understudy.performance import together, tracked
 from understudy.simulate import simulate
