@@ -238,11 +238,17 @@ def _rise(depth: Array, rate: float, *, most: float = MOST_SHIFT) -> Array:
 
 
 def _blended(shift: Array, stance: np.ndarray) -> Array:
-    """The shift in stance, and monotone curves between stances; 0 at the ends of the clip."""
-    keep = stance.copy()
-    keep[[0, -1]] = True
-    knots = np.flatnonzero(keep)
-    return PchipInterpolator(knots, shift[knots], axis=0)(np.arange(len(shift)))
+    """The shift in stance, and monotone curves between stances; before and after as at the nearest.
+
+    A correction that came in from nothing at the ends would be an acceleration no actor had.
+    """
+    knots = np.flatnonzero(stance)
+    if not len(knots):
+        return np.zeros_like(shift)
+    if len(knots) == 1:
+        return np.broadcast_to(shift[knots], shift.shape).copy()
+    frames = np.clip(np.arange(len(shift)), knots[0], knots[-1])
+    return PchipInterpolator(knots, shift[knots], axis=0)(frames)
 
 
 def _move_end(clip: Clip, limb: list[int], shift: Array, local: Array, hinge: Array) -> None:
