@@ -17,7 +17,8 @@ from understudy.athletics.upper import UpperBody
 from understudy.character import Athlete, Character, Linkage, athlete_man, retargeted
 from understudy.character.body import SelfCollision
 from understudy.character.build import size_doubts
-from understudy.character.soles import planted, standing
+from understudy.character.planting import planted
+from understudy.character.soles import standing
 from understudy.control import Controller, Disturbance, Drive, GiveWay, Task, Tracking
 from understudy.control.disturbance import check_throws
 from understudy.control.task import check_overlaps

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from understudy.character import Character, adult_woman, retargeted
-from understudy.character.soles import planted, sole_heights, sole_points, standing
+from understudy.character.planting import planted
+from understudy.character.soles import sole_heights, sole_points, standing
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.samples import sample

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from understudy.character import Character, adult_man, retargeted
-from understudy.character.soles import STANDS, planted, sole_points, standing
+from understudy.character.planting import planted
+from understudy.character.soles import STANDS, sole_points, standing
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from understudy.character import Character, Link, retargeted
-from understudy.character.soles import planted, standing
+from understudy.character.planting import planted
+from understudy.character.soles import standing
 from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
