@@ -21,6 +21,7 @@ from understudy.character.planting import planted
 from understudy.character.soles import standing
 from understudy.control import Controller, Disturbance, Drive, GiveWay, Task, Tracking
 from understudy.control.disturbance import check_throws
+from understudy.control.supported import supported
 from understudy.control.task import check_overlaps
 from understudy.errors import InvalidValue, UnknownName, expect, shown
 from understudy.motion.clip import Clip
@@ -136,6 +137,8 @@ def tracked(
     feet = any((link.role or "").endswith("_ankle") for link in character.links)
     if ground is None and feet:
         ground = Ground()
+    if ground is not None:
+        reference = supported(reference, character, ground)
     fitted: list[Task | Disturbance] = []
     for task in tasks:
         expect(task, (Task, Disturbance), "task", "a task such as Upright, or a Push or Throw")

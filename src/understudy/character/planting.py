@@ -37,9 +37,9 @@ PLANT_SMOOTHING = 0.04  # [s].
 # A foot swinging by at twice that speed or more passes at least this high over the floor [m].
 CLEARANCE = 0.015
 _UP = np.array([0.0, 0.0, 1.0])
-_LEG, _ARM = ("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")
+LEG, ARM = ("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")
 # Axes a straight limb bends about, in its upper link's frame: a knee's, and an elbow's in T-pose.
-_LATERAL, _VERTICAL = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+LATERAL, VERTICAL = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
 def planted(clip: Clip, character: Character, *, ground: Floor | None = None) -> Clip:
@@ -62,7 +62,7 @@ def planted(clip: Clip, character: Character, *, ground: Floor | None = None) ->
     local, most = np.array(clip.rotations), {"feet": 0.0, "hands": 0.0}
     joints = [link.joint for link in character.links]
     for side in ("left", "right"):
-        for part, limb, hinge in (("feet", _LEG, _LATERAL), ("hands", _ARM, _VERTICAL)):
+        for part, limb, hinge in (("feet", LEG, LATERAL), ("hands", ARM, VERTICAL)):
             names = [f"{side}_{joint}" for joint in limb]
             points = [
                 place
@@ -84,7 +84,7 @@ def planted(clip: Clip, character: Character, *, ground: Floor | None = None) ->
                 shift[:, 2] = _rise(-places[..., 2].min(axis=1), clip.rate, most=MOST_LIFT)
             if np.abs(shift).max() < STANDS:
                 continue
-            move_end(clip, [joints.index(name) for name in names], shift, local, hinge)
+            moved_end(clip, [joints.index(name) for name in names], shift, local, hinge)
             most[part] = max(most[part], float(np.linalg.norm(shift, axis=1).max()))
     notes = [
         f"{verb} the {part}{where}: moved by up to {1000 * most[part]:.0f} mm."
@@ -151,7 +151,7 @@ def _blended(shift: Array, stance: np.ndarray) -> Array:
     return PchipInterpolator(knots, shift[knots], axis=0)(frames)
 
 
-def move_end(clip: Clip, limb: list[int], shift: Array, local: Array, hinge: Array) -> None:
+def moved_end(clip: Clip, limb: list[int], shift: Array, local: Array, hinge: Array) -> None:
     """Change a limb's three rotations in `local` so that its end joint is moved by `shift` [m].
 
     `limb` is hip, knee and ankle, or shoulder, elbow and wrist; the foot or hand keeps its

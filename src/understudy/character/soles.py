@@ -132,7 +132,7 @@ def sole_points(character: Character) -> list[tuple[int, Array, float]]:
     ]
 
 
-def solepoint_paths(clip: Clip, character: Character, *, side: str = "") -> Array:
+def sole_paths(clip: Clip, character: Character, *, side: str = "") -> Array:
     """World path of the lowest point of every sole sphere [m], shape (frames, points, 3).
 
     Of both feet, or of the "left" or "right".

@@ -26,6 +26,8 @@ from understudy.scene import Ground, Part, Scene
 
 # A sole point this high [m] or higher bears nothing. Farther, and legs push before they land.
 NEAR_GROUND = 0.008
+# Judging a motion, a point bears up to this height [m]: captured feet are that far off.
+REACH = 0.02
 SMOOTHING = 0.08  # Window of the derivative filter [s].
 
 

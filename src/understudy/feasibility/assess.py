@@ -14,15 +14,13 @@ from typing import Any
 import numpy as np
 
 from understudy.control import Tracking
-from understudy.control.feedforward import required
+from understudy.control.feedforward import REACH, required
 from understudy.errors import InvalidValue
 from understudy.feasibility.reasons import Moment, Residual, moments
 from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
 
-# A point of the body this high [m] bears nothing; the weight of one falls from half way up.
-REACH = 0.02
 # Window of the derivatives [s]: what is faster a servo does not follow either.
 SMOOTHING = 0.125
 # Of 36 captured clips that a sampling search tried to perform without help, it did all 26 that
