@@ -95,6 +95,7 @@ def tracked(
     contacts: Contacts = (),
     ground: Ground | None = None,
     timestep: float | None = None,
+    integrator: str | None = None,
     self_collision: SelfCollision = "off",
     seed: int = 0,
     **settings: object,
@@ -115,6 +116,7 @@ def tracked(
         contacts: What touches besides the ground; see `Scene`.
         ground: The floor; by default level ground for a body with feet, none without.
         timestep: Physics step [s]; by default the one nearest 2 ms that divides the frame period.
+        integrator: See `Scene`.
         self_collision: See `Scene`.
         seed: Seed of the performance.
         settings: Passed on to `Tracking`: law, stiffness, torque_limits, ...
@@ -151,6 +153,7 @@ def tracked(
         contacts=contacts,
         timestep=timestep_for(reference.rate) if timestep is None else timestep,
         self_collision=self_collision,
+        integrator=integrator,  # type: ignore[arg-type]
     )
     if pelvis is None:
         pelvis = next((t.pelvis for t in tasks if t.pelvis), "assisted" if feet else "led")

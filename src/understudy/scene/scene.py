@@ -18,6 +18,12 @@ from understudy.scene.ground import Ground
 from understudy.scene.props import Prop
 from understudy.scene.touching import Contacts
 
+_INTEGRATORS = {
+    "implicitfast": mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
+    "discrete": mujoco.mjtIntegrator.mjINT_DISCRETE,
+    "euler": mujoco.mjtIntegrator.mjINT_EULER,
+}
+
 
 @dataclass(frozen=True)
 class Part:
@@ -68,8 +74,9 @@ class Scene:
         timestep: Physics step [s].
         gravity: Downward acceleration [m/s^2].
         self_collision: Which of a character's own link pairs collide; see `Character.spec`.
-        integrator: "implicitfast", which takes servo damping implicitly, or "euler", the
-            semi-implicit step; by default the latter where all who perform are linkages.
+        integrator: "implicitfast", which takes servo damping implicitly, "discrete", which takes
+            servo stiffness so too and stands longer steps, or "euler", the semi-implicit step; by
+            default the last where all who perform are linkages, else the first.
     """
 
     characters: tuple[Any, ...]
@@ -79,7 +86,7 @@ class Scene:
     timestep: float = 0.002
     gravity: float = 9.81
     self_collision: SelfCollision = "off"
-    integrator: Literal["implicitfast", "euler"] | None = None
+    integrator: Literal["implicitfast", "discrete", "euler"] | None = None
 
     def __post_init__(self) -> None:
         characters = self.characters
@@ -95,9 +102,9 @@ class Scene:
             raise InvalidValue(f"timestep is {self.timestep} s; it must lie in 1e-5 to 0.05.")
         if not np.isfinite(self.gravity):
             raise InvalidValue(f"gravity is {self.gravity}; it must be a finite number.")
-        if self.integrator not in (None, "implicitfast", "euler"):
+        if self.integrator not in (None, *_INTEGRATORS):
             raise InvalidValue(
-                f"integrator is {self.integrator!r}; it must be 'implicitfast' or 'euler'."
+                f"integrator is {self.integrator!r}; it must be one of {tuple(_INTEGRATORS)}."
             )
         self._check_names()
 
@@ -140,12 +147,11 @@ class Scene:
             touching.add_pairs(spec, self.contacts, self.characters, self._prefixes, self.props)
         option.gravity = [0.0, 0.0, -self.gravity]
         linkages = all(isinstance(character, Linkage) for character in self.characters)
-        if (self.integrator or ("euler" if linkages else "implicitfast")) == "euler":
-            option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+        # Euler does not take the servos' damping implicitly.
+        chosen = self.integrator or ("euler" if linkages else "implicitfast")
+        option.integrator = _INTEGRATORS[chosen]
+        if chosen == "euler":
             option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
-        else:
-            # Euler does not take the servos' damping implicitly.
-            option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         # The sparse Newton solver of MuJoCo 4.0.0 can have a wrong Hessian where there are
         # contacts; without them it is right, and faster on many free bodies.
         sparse = linkages and not any(character.contact for character in self.characters)
