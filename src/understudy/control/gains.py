@@ -21,6 +21,24 @@ STANCE_STIFFNESS = {"hip": 1600.0, "knee": 1600.0, "ankle": 1200.0, "ball": 300.
 # Damping over stiffness of those legs [s]. A foot is light: more makes a landing foot a hammer.
 STANCE_DAMPING_TIME = 0.01
 STANCE_REFERENCE = 70.0 * 9.81 * 1.75
+# Soft servos [N m/rad], for 70 kg and 1.75 m, and their damping over stiffness [s]: a body that
+# nothing holds gives way where it meets the floor, and what its servos do not hold a guidance does.
+SOFT_STIFFNESS = {
+    "lower_back": 1000.0,
+    "upper_back": 800.0,
+    "neck": 60.0,
+    "shoulder": 150.0,
+    "elbow": 80.0,
+    "wrist": 8.0,
+    "hip": 800.0,
+    "knee": 800.0,
+    "ankle": 600.0,
+    "ball": 60.0,
+}
+SOFT_DAMPING_TIME = 0.04
+# Rotor inertia of soft servos [kg m^2]: a foot or hand whose servo is at its limit has no damping,
+# and with less rings at steps of some milliseconds.
+SOFT_ARMATURE = 0.005
 # Damping of a joint without a servo over the inertia outboard of it [1/s]: a hanging arm, whose
 # swing has about 5 rad/s, loses nearly half of its amplitude in one period.
 LIMP_DAMPING = 1.0
@@ -56,6 +74,22 @@ def joint_stiffness(scene: Scene, model: mujoco.MjModel, character: int, stiffne
     load = body.mass * abs(scene.gravity) * body.height / STANCE_REFERENCE
     least = [STANCE_STIFFNESS.get(joint, 0.0) * load for joint in stance_joints(scene, character)]
     return np.maximum(gains, least)
+
+
+def soft_stiffness(scene: Scene, model: mujoco.MjModel, character: int, stiffness: float) -> Array:
+    """Gain of every joint but the root where servos are soft [N m/rad], shape (links - 1,).
+
+    Joints that people do not have get `stiffness` [1/s^2] times the inertia outboard of them.
+    """
+    part, body = scene.parts[character], scene.characters[character]
+    load = body.mass * abs(scene.gravity) * body.height / STANCE_REFERENCE
+    out = stiffness * outboard_inertia(model, part)[1:]
+    for j, link in enumerate(body.links[1:]):
+        role = link.role or ""
+        soft = SOFT_STIFFNESS.get(role, SOFT_STIFFNESS.get(role.partition("_")[2]))
+        if soft is not None:
+            out[j] = soft * load
+    return out
 
 
 def stance_joints(scene: Scene, character: int) -> list[str]:

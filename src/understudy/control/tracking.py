@@ -35,6 +35,7 @@ LAWS = ("modern", "paper")
 PELVIS = ("led", "assisted", "free")
 FEEDFORWARDS = ("inverse_dynamics", "none")
 TORQUE_LIMITS = ("off", "human")
+SERVOS = ("stiff", "soft")
 
 # Zordan & Hodgins 1999, section 3: "Damping gains are one-tenth of the corresponding stiffness".
 PAPER_DAMPING_TIME = 0.1
@@ -58,6 +59,7 @@ class Tracking:
         stiffness: Overall stiffness [1/s^2]; a joint's gain is this times its outboard inertia.
         damping_time: kd / k [s]; by default 0.1 for the paper's law, and critical damping
             2 / sqrt(stiffness) for the modern one (stance legs: at most 0.01).
+        servos: "stiff", with gains as above, or "soft" (`gains.SOFT_STIFFNESS`), for a free body.
         feedforward: "inverse_dynamics" or "none"; the paper's law uses none.
         pelvis: "led" along its path by a stiff servo, "assisted" by a soft one that leaves to the
             feet what they can carry, or "free": nothing holds it.
@@ -81,6 +83,7 @@ class Tracking:
     law: str = "modern"
     stiffness: float = 3000.0
     damping_time: float | None = None
+    servos: str = "stiff"
     feedforward: str | None = None
     pelvis: str = "assisted"
     root_frequency: tuple[float, float, float] | None = None
@@ -96,6 +99,7 @@ class Tracking:
             ("law", LAWS),
             ("pelvis", PELVIS),
             ("torque_limits", TORQUE_LIMITS),
+            ("servos", SERVOS),
             ("feedforward", (None, *FEEDFORWARDS)),
         ):
             value = getattr(self, name)
@@ -128,6 +132,8 @@ class Tracking:
         """Damping over stiffness [s]."""
         if self.damping_time is not None:
             return self.damping_time
+        if self.servos == "soft":
+            return gains.SOFT_DAMPING_TIME
         return PAPER_DAMPING_TIME if self.law == "paper" else 2.0 / np.sqrt(self.stiffness)
 
     @property
@@ -138,6 +144,7 @@ class Tracking:
             "pelvis": self.pelvis,
             "stiffness": self.stiffness,
             "damping_time": self.kd_over_k,
+            **({"servos": self.servos} if self.servos != "stiff" else {}),
             "feedforward": self._feedforward,
             "torque_limits": self.torque_limits,
             "interpolation": self.interpolation,
@@ -185,6 +192,9 @@ class Tracking:
                 model.actuator_forcelimited[actuator] = True
                 limit = strength * float(np.max(link.torque_limit))
                 model.actuator_forcerange[actuator] = 0.0, limit
+        if self.servos == "soft":
+            first, last = part.dofs.start + 6, part.dofs.stop
+            model.dof_armature[first:last] = gains.SOFT_ARMATURE
         mass, inertia = self._root_inertia(scene, model)
         along, up, turn = self._root_frequency
         for actuator, w in zip(part.root_actuators[:3], (along, along, up), strict=True):
@@ -273,6 +283,9 @@ class Tracking:
     def _gains(self, scene: Scene, model: mujoco.MjModel) -> tuple[Array, Array]:
         """Stiffness [N m/rad] and damping [N m s/rad] at strength 1, each shape (links - 1,)."""
         scene, model = self._learned(scene, model)
+        if self.servos == "soft":
+            k = gains.soft_stiffness(scene, model, self.character, self.stiffness)
+            return k, k * self.kd_over_k
         k = gains.joint_stiffness(scene, model, self.character, self.stiffness)
         kd = k * self.kd_over_k
         if self.law == "modern" and self.damping_time is None:
