@@ -15,6 +15,7 @@ from understudy.control.controller import (
 from understudy.control.disturbance import Disturbance, Push, Throw
 from understudy.control.drive import Drive
 from understudy.control.give_way import GiveWay
+from understudy.control.guidance import Guidance
 from understudy.control.look_at import LookAt
 from understudy.control.reach import HandOn, Reach
 from understudy.control.task import Task
@@ -30,6 +31,7 @@ __all__ = [
     "Drive",
     "EngineState",
     "GiveWay",
+    "Guidance",
     "HandOn",
     "LookAt",
     "OpenLoop",
