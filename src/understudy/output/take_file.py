@@ -22,18 +22,27 @@ from typing import Any, cast
 import mujoco
 import numpy as np
 
+from understudy.control import Guidance
 from understudy.errors import ClipError, InvalidValue, UnderstudyError
 from understudy.motion.files import written
 from understudy.motion.source import check_regular
+from understudy.performance import Performance
 from understudy.take import Take
 
 _FORMAT, _VERSION = "understudy take", 1
 _ENTRY = "take.json"
 # Only these packages have values that a take is made of.
-_HOMES = ("understudy.motion.", "understudy.character.", "understudy.scene.", "understudy.take")
+_HOMES = (
+    "understudy.motion.",
+    "understudy.character.",
+    "understudy.scene.",
+    "understudy.control.",
+    "understudy.performance",
+    "understudy.take",
+)
 _NOT_STORED = {"performance", "model"}
 # Facts that differ from run to run.
-_TIMING = ("cpu_seconds",)
+_TIMING = ("cpu_seconds", "search_cpu_seconds")
 # Frames per second of a take: one for each step of the engine [Hz].
 _RATES = (0.01, 1e7)
 _MOST_BYTES = 8 * 2**30
@@ -44,7 +53,8 @@ _OPTIONS = ("integrator", "cone", "jacobian", "solver", "iterations", "disablefl
 def save_take(take: Take, path: str | PathLike[str]) -> None:
     """Write a take, with its scene and clips, to an .npz file.
 
-    What was asked for (`take.performance`) is not kept: controllers are programs.
+    What was asked for (`take.performance`) is kept only where it has a guidance: a search found
+    that, and the take can be performed again, with more besides.
 
     Raises:
         UnderstudyError: The file cannot be written, or the scene holds a value that is not plain
@@ -56,6 +66,8 @@ def save_take(take: Take, path: str | PathLike[str]) -> None:
     arrays: dict[str, np.ndarray] = {}
     timing = {name: take.facts[name] for name in _TIMING if name in take.facts}
     facts = {name: value for name, value in take.facts.items() if name not in timing}
+    plan = take.performance
+    guided = plan is not None and any(isinstance(c, Guidance) for c in plan.controllers)
     document = {
         "format": _FORMAT,
         "version": _VERSION,
@@ -63,6 +75,7 @@ def save_take(take: Take, path: str | PathLike[str]) -> None:
         "timing": _plain(timing, arrays, "timing"),
         "take": _plain(dataclasses.replace(take, facts=facts), arrays, "take"),
         "model": _plain(_changes(take.scene.model, take.model), arrays, "model"),
+        **({"performance": _plain(plan, arrays, "performance")} if guided else {}),
     }
     text = json.dumps(document, allow_nan=True)
     with written(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_STORED) as file:
@@ -81,7 +94,7 @@ def _dateless(name: str) -> zipfile.ZipInfo:
 
 
 def load_take(path: str | PathLike[str]) -> Take:
-    """Read a take that `save_take` wrote; its `performance` is None.
+    """Read a take that `save_take` wrote; its `performance` is None, but for a guided one.
 
     Raises:
         UnderstudyError: No such file, or it is no take file, damaged, or of another version; one
@@ -158,7 +171,10 @@ def _read(file: zipfile.ZipFile) -> Take:
     model = copy.copy(scene.model)
     for name, value in reader.value(document["model"]).items():
         _set(model, name, value)
-    take = Take(**fields, model=model)
+    plan = reader.value(document.get("performance"))
+    if not (plan is None or isinstance(plan, Performance)):
+        raise UnderstudyError("holds a performance that is none.")
+    take = Take(**fields, model=model, performance=plan)
     widths = {"qpos": model.nq, "qvel": model.nv, "ctrl": model.nu, "qfrc_applied": model.nv}
     for name, width in widths.items():
         shape = getattr(take, name).shape
@@ -214,7 +230,9 @@ def _plain(value: Any, arrays: dict[str, np.ndarray], where: str) -> Any:
             raise UnderstudyError(f"{where} holds an array of {value.dtype}, which is no number.")
         if value.size and not value.any() and value.size > 16:  # forces nobody applied
             return {"zeros": list(value.shape)}
-        name = f"{len(arrays):04d}.{where[-80:]}"
+        # What a take and its performance share is kept once.
+        same = (known for known, held in arrays.items() if held is value)
+        name = next(same, f"{len(arrays):04d}.{where[-80:]}")
         arrays[name] = value
         return {"array": name}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
