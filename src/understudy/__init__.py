@@ -45,7 +45,7 @@ _HOMES = {
     "samples": "motion.samples",
     "score": "evaluate",
     "simulate": "simulate",
-    "track": "simulate",
+    "track": "free_tracking",
     "tracked": "performance",
     "tune": "tuning",
     "write": "output",

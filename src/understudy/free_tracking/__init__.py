@@ -1,0 +1,10 @@
+"""A whole body that performs a clip on its own feet: nothing holds its pelvis.
+
+In: a clip and a character, or a performance with a free pelvis. Out: the performance with a
+`Guidance`, found by sampling and fitted linear-quadratic regulators, and its take.
+"""
+
+from understudy.free_tracking.free import freed, track
+from understudy.free_tracking.search import Effort, Pass, Search
+
+__all__ = ["Effort", "Pass", "Search", "freed", "track"]

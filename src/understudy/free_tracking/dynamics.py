@@ -1,0 +1,101 @@
+"""What a window does, fitted on the samples that were simulated anyway, and the best answer to it.
+
+A state z is a scaled deviation x and the scaled offsets of the window before; a window takes it to
+x' = A z + B a + c, with offsets a. The regulator is the linear-quadratic one, backwards in time,
+for deviations, offsets and changes of offsets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from understudy.control.guidance_law import DEVIATION
+from understudy.free_tracking.goal import PARTS
+from understudy.motion.rotations import Array
+
+
+class Dynamics(NamedTuple):
+    """x' = A z + B a + c of one window."""
+
+    state: Array
+    offsets: Array
+    rest: Array
+
+    @classmethod
+    def fitted(
+        cls, z: Array, a: Array, held: Array, x: Array, known: Array, ridge: float
+    ) -> Dynamics:
+        """By ridge regression toward what is known.
+
+        Args:
+            z: States of the samples, shape (n, DEVIATION + axes).
+            a: Their offsets, shape (n, axes).
+            held: Their help, shape (n, 6); what it does is fitted too, and left out.
+            x: Deviations at the end, shape (n, DEVIATION).
+            known: A before any sample, shape (DEVIATION, DEVIATION + axes).
+            ridge: Weight of the prior, per sample.
+        """
+        inputs, change = np.concatenate((z, a, held), axis=1), x - z @ known.T
+        middle, mean = inputs.mean(axis=0), change.mean(axis=0)
+        inputs = inputs - middle
+        gram = inputs.T @ inputs
+        gram[np.diag_indices_from(gram)] += ridge * len(inputs)
+        slope = np.linalg.solve(gram, inputs.T @ (change - mean)).T
+        width, size = z.shape[1], a.shape[1]
+        return cls(known + slope[:, :width], slope[:, width : width + size], mean - slope @ middle)
+
+
+def prior(axes: int, window: float, scales: Array) -> Array:
+    """A before any sample: places follow velocities; momentum, turning and feet half persist."""
+    out = np.zeros((DEVIATION, DEVIATION + axes))
+    keep = np.repeat([1.0, 1.0, 0.5, 1.0, 0.5, 0.5], PARTS)
+    out[:, :DEVIATION] = np.diag(keep)
+    for place, velocity in ((0, 3), (9, 12)):
+        for k in range(3):
+            out[place + k, velocity + k] = window * scales[velocity + k] / scales[place + k]
+    return out
+
+
+def regulator(
+    dynamics: Sequence[Dynamics | None], cost: Array, effort: Array, change: Array
+) -> tuple[list[Array | None], list[Array]]:
+    """The best answer in every window, and what states are worth.
+
+    Args:
+        dynamics: Of every window; None where nothing is known.
+        cost: Of a deviation, shape (DEVIATION, DEVIATION).
+        effort: Of every offset squared, shape (axes,).
+        change: Of every offset's change squared, shape (axes,).
+
+    Returns:
+        For every window K of a = K (z, 1), or None; and for every border P of the cost to the end
+        (z, 1)' P (z, 1).
+    """
+    size = len(effort)
+    wide = DEVIATION + size + 1
+    stage = np.zeros((wide, wide))
+    stage[:DEVIATION, :DEVIATION] = cost
+    last = slice(DEVIATION, DEVIATION + size)
+    gains: list[Array | None] = []
+    values = [stage]
+    for one in reversed(dynamics):
+        if one is None:
+            gains.append(None)
+            values.append(stage)
+            continue
+        onward, into = np.zeros((wide, wide)), np.zeros((wide, size))
+        onward[:DEVIATION, :-1], onward[:DEVIATION, -1] = one.state, one.rest
+        onward[-1, -1] = 1.0
+        into[:DEVIATION], into[last] = one.offsets, np.eye(size)
+        inner = np.diag(effort + change) + into.T @ values[-1] @ into
+        cross = into.T @ values[-1] @ onward
+        cross[:, last] -= np.diag(change)
+        gain: Array = -np.asarray(np.linalg.solve(inner, cross), float)
+        value = onward.T @ values[-1] @ onward + cross.T @ gain + stage
+        value[last, last] += np.diag(change)
+        gains.append(gain)
+        values.append(0.5 * (value + value.T))
+    return gains[::-1], values[::-1]

@@ -1,0 +1,182 @@
+"""From a performance whose pelvis nothing holds to one that stays on its feet, and to its take."""
+
+from __future__ import annotations
+
+import os
+import time as clock
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from os import PathLike
+from typing import Any
+
+from tqdm import tqdm
+
+from understudy.character import Character
+from understudy.control import Compiled, PythonController
+from understudy.errors import InvalidValue, UnderstudyError
+from understudy.free_tracking.checkpoint import restore, save
+from understudy.free_tracking.search import Effort, Search
+from understudy.motion.clip import Clip
+from understudy.performance import Performance, tracked
+from understudy.scene import timestep_for
+from understudy.simulate import simulate
+from understudy.simulate import track as tracked_take
+from understudy.take import Take
+
+# Physics of a free body: a servo at its limit needs steps as short, its stiffness an integrator
+# that takes it implicitly.
+STEP = 1.0 / 240.0
+FREE: dict[str, Any] = {"integrator": "discrete", "servos": "soft", "torque_limits": "human"}
+
+
+def track(
+    clip: Clip,
+    character: Character,
+    *,
+    pelvis: str | None = None,
+    seed: int = 0,
+    budget: float | None = None,
+    effort: Effort | None = None,
+    threads: int | None = None,
+    checkpoint: str | PathLike[str] | None = None,
+    progress: bool = False,
+    **settings: Any,
+) -> Take:
+    """Make a character perform a clip.
+
+    With pelvis "free" nothing holds the body up: a guidance is searched with which it performs the
+    clip on its own feet, with the strength of a person and the least help if it cannot without
+    (see `freed`). Otherwise this is `simulate(tracked(clip, character, ...))`; so it is with a task
+    that keeps the balance itself.
+
+    Args:
+        clip: Any clip; it is repaired, retargeted and set on the ground first.
+        character: Any character.
+        pelvis: "led", "assisted" or "free"; see `understudy.performance.tracked`.
+        seed: Of every random choice.
+        budget: Seconds the search may take.
+        effort: How hard it tries.
+        threads: Of the search; all cores by default.
+        checkpoint: File that keeps the search; see `freed`.
+        progress: Show progress bars on standard error.
+        settings: See `understudy.performance.tracked`. For a free body the defaults are soft
+            servos, human torque limits, steps of 1/240 s and the discrete integrator.
+
+    Raises:
+        Diverged: The simulation blew up; carries the take up to then.
+        UnderstudyError: No pass of the search came to the end of the clip.
+    """
+    balances = any(getattr(task, "pelvis", None) == "free" for task in settings.get("tasks", ()))
+    if pelvis != "free" or balances:
+        return tracked_take(
+            clip, character, pelvis=pelvis, seed=seed, progress=progress, **settings
+        )
+    made = {"timestep": timestep_for(clip.rate, near=STEP), **FREE, **settings}
+    performance = tracked(clip, character, pelvis="free", seed=seed, **made)
+    started = clock.process_time()
+    found = freed(
+        performance,
+        budget=budget,
+        effort=effort,
+        threads=threads,
+        checkpoint=checkpoint,
+        progress=progress,
+    )
+    spent = clock.process_time() - started
+    take = simulate(found, progress=progress)
+    take.facts["search_cpu_seconds"] = spent
+    return take
+
+
+def freed(
+    performance: Performance,
+    *,
+    seed: int | None = None,
+    budget: float | None = None,
+    effort: Effort | None = None,
+    threads: int | None = None,
+    checkpoint: str | PathLike[str] | None = None,
+    progress: bool = False,
+) -> Performance:
+    """The performance with a guidance under which nothing need hold the body.
+
+    Where no free run is found, the guidance is the one with the least help; its `help` says how
+    much. The same performance and seed give the same guidance, bit for bit.
+
+    Args:
+        performance: Of one character that tracks a clip with a free pelvis, without tasks.
+        seed: By default the performance's.
+        budget: Seconds the search may take; then the best so far counts.
+        effort: How hard it tries.
+        threads: All cores by default.
+        checkpoint: File that keeps the search after every pass; the same call goes on from it.
+        progress: Show a progress bar on standard error.
+
+    Raises:
+        InvalidValue: The performance has tasks, or nothing that tracks a clip freely.
+        UnderstudyError: No pass came to the end; or the checkpoint is of another search.
+    """
+    _check(performance)
+    search = Search(
+        performance,
+        seed=performance.seed if seed is None else seed,
+        effort=effort,
+        threads=threads or os.cpu_count() or 1,
+    )
+    if checkpoint is not None:
+        restore(search, checkpoint)
+    end = None if budget is None else clock.monotonic() + budget
+    with _bar(search, progress) as bar:
+
+        def told(windows: int) -> None:
+            bar.update(windows - bar.n)
+            if end is not None and clock.monotonic() > end:
+                raise _TimeIsUp
+
+        try:
+            for _ in search.passes(told):
+                if checkpoint is not None:
+                    save(search, checkpoint)
+                bar.reset()
+                bar.set_description(_doing(search))
+        except _TimeIsUp:
+            pass
+    if search.best is None:
+        raise UnderstudyError(
+            f"No pass of the search came to the end of the {performance.duration:.1f} s: the "
+            f"farthest fell at {search.farthest:.1f} s. Try another seed or a longer budget."
+        )
+    return replace(performance, controllers=(*performance.controllers, search.best))
+
+
+class _TimeIsUp(Exception):
+    """The budget is spent."""
+
+
+@contextmanager
+def _bar(search: Search, progress: bool) -> Iterator[Any]:
+    with tqdm(
+        total=search.windows,
+        desc=_doing(search),
+        unit="window",
+        delay=2.0,
+        disable=None if progress else True,
+        leave=False,
+    ) as bar:
+        yield bar
+
+
+def _doing(search: Search) -> str:
+    return f"pass {search.ladder.tried + 1}, help {100.0 * search.ladder.scales.mean():.0f} %"
+
+
+def _check(performance: Performance) -> None:
+    for controller in performance.controllers:
+        if isinstance(controller, Compiled | PythonController):
+            raise InvalidValue(
+                f"The performance has a {type(controller).__name__}; free it without, and add that "
+                "to the result."
+            )
+        if getattr(controller, "pelvis", None) in ("led", "assisted"):
+            raise InvalidValue("The pelvis is held; make the performance with pelvis='free'.")

@@ -1,0 +1,70 @@
+"""Down the ladder of help, every window by itself: whole, a third, none; up again where it failed.
+
+A window that was passed goes a step down. Where a pass fell, the windows shortly before go half way
+back to what worked, or are tried again where nothing did.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from understudy.motion.rotations import Array
+
+_THIRD = 0.3
+_NEAR = 0.05  # Closer than this to what worked, what worked is tried again.
+_MORE, _MOST = 1.3, 2.0  # More children after a fall, at most so many times.
+# A fall has its cause in so many windows before it: what was learned there is no good.
+MARGIN = 8
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ladder:
+    """What to try next.
+
+    Attributes:
+        children: Samples of a window.
+        usual: As many where nothing fell.
+        scales: Help of every window in the next pass: 1 is whole, 0 none.
+        worked: The last help with which a window was passed; infinite if it never was.
+        tried: Passes so far.
+        done: Whether a pass without any help came to the end.
+    """
+
+    children: int
+    usual: int
+    scales: Array
+    worked: Array
+    tried: int = 0
+    done: bool = False
+
+    @classmethod
+    def whole(cls, windows: int, children: int) -> Ladder:
+        """The first try: whole help everywhere."""
+        never = np.full(windows, np.inf)
+        return cls(children=children, usual=children, scales=np.ones(windows), worked=never)
+
+    def after(self, reached: int) -> Ladder:
+        """The ladder after a pass that came to the end of so many windows."""
+        windows = len(self.scales)
+        done = reached == windows
+        good = windows if done else max(0, reached - MARGIN)
+        scales, worked = self.scales.copy(), self.worked.copy()
+        worked[:good] = scales[:good]
+        scales[:good] = np.where(scales[:good] > _THIRD, _THIRD, 0.0)
+        children = self.usual
+        if not done:
+            bad = slice(good, min(reached + 1, windows))
+            known = np.where(np.isfinite(worked[bad]), worked[bad], 1.0)
+            near = known - scales[bad] < _NEAR
+            scales[bad] = np.where(near, known, 0.5 * (scales[bad] + known))
+            children = min(round(_MORE * self.children), round(_MOST * self.usual))
+        return replace(
+            self,
+            children=children,
+            scales=scales,
+            worked=worked,
+            tried=self.tried + 1,
+            done=done and not self.scales.any(),
+        )
