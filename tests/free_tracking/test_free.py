@@ -156,3 +156,9 @@ def test_other_pelvises_are_tracked_as_ever(clip: Clip) -> None:
     assert take.facts["pelvis"] == "assisted"
     model, _ = prepared(take.performance)  # type: ignore[arg-type]
     assert np.array_equal(open_loop_controls(take.performance, model).ctrl, take.ctrl[:-1])  # type: ignore[arg-type]
+
+
+def test_a_take_saved_again_is_the_same_file(take: Take, tmp_path: Path) -> None:
+    us.write(take, tmp_path / "once.take.npz")
+    us.write(us.load_take(tmp_path / "once.take.npz"), tmp_path / "twice.take.npz")
+    assert (tmp_path / "once.take.npz").read_bytes() == (tmp_path / "twice.take.npz").read_bytes()

@@ -30,7 +30,7 @@ from understudy.performance import Performance
 from understudy.take import Take
 
 _FORMAT, _VERSION = "understudy take", 1
-_ENTRY = "take.json"
+_ENTRY, _PLAN = "take.json", "performance"
 # Only these packages have values that a take is made of.
 _HOMES = (
     "understudy.motion.",
@@ -75,7 +75,7 @@ def save_take(take: Take, path: str | PathLike[str]) -> None:
         "timing": _plain(timing, arrays, "timing"),
         "take": _plain(dataclasses.replace(take, facts=facts), arrays, "take"),
         "model": _plain(_changes(take.scene.model, take.model), arrays, "model"),
-        **({"performance": _plain(plan, arrays, "performance")} if guided else {}),
+        **({_PLAN: _plain(plan, arrays, _PLAN)} if guided else {}),
     }
     text = json.dumps(document, allow_nan=True)
     with written(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_STORED) as file:
@@ -171,7 +171,7 @@ def _read(file: zipfile.ZipFile) -> Take:
     model = copy.copy(scene.model)
     for name, value in reader.value(document["model"]).items():
         _set(model, name, value)
-    plan = reader.value(document.get("performance"))
+    plan = reader.value(document.get(_PLAN))
     if not (plan is None or isinstance(plan, Performance)):
         raise UnderstudyError("holds a performance that is none.")
     take = Take(**fields, model=model, performance=plan)
@@ -230,10 +230,11 @@ def _plain(value: Any, arrays: dict[str, np.ndarray], where: str) -> Any:
             raise UnderstudyError(f"{where} holds an array of {value.dtype}, which is no number.")
         if value.size and not value.any() and value.size > 16:  # forces nobody applied
             return {"zeros": list(value.shape)}
-        # What a take and its performance share is kept once.
-        same = (known for known, held in arrays.items() if held is value)
-        name = next(same, f"{len(arrays):04d}.{where[-80:]}")
-        arrays[name] = value
+        name = f"{len(arrays):04d}.{where[-80:]}"
+        if where.startswith(_PLAN):  # its scene and clips are the take's: kept once
+            same = (n for n, held in arrays.items() if _alike(held, value))
+            name = next(same, name)
+        arrays.setdefault(name, value)
         return {"array": name}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         kind = type(value)
@@ -261,6 +262,12 @@ def _plain(value: Any, arrays: dict[str, np.ndarray], where: str) -> Any:
     raise UnderstudyError(
         f"{where} is a {type(value).__name__}, which a take file cannot hold; it holds numbers, "
         "texts, arrays and this package's own values."
+    )
+
+
+def _alike(one: np.ndarray, other: np.ndarray) -> bool:
+    return one is other or (
+        one.shape == other.shape and one.dtype == other.dtype and np.array_equal(one, other)
     )
 
 
