@@ -222,7 +222,7 @@ class Search:
             *(crowd.states, parents, offsets * self._sigma, held * scale),
             *(ctrl[span], applied[span]),
         )
-        fine = np.isfinite(postures).all(axis=1) & np.isfinite(end.qvel).all(axis=1)
+        fine: Any = np.isfinite(postures).all(axis=1) & np.isfinite(end.qvel).all(axis=1)
         postures = np.where(fine[:, None], postures, goal.marks[w + 1])
         off = goal.deviations(postures, w + 1)
         cost = goal.costs(off)
@@ -238,7 +238,7 @@ class Search:
             rank += _values(np.concatenate((off, offsets), axis=1), policy.value)
         order = np.argsort(np.where(fine, rank, np.inf), kind="stable")
         order = order[: min(self.effort.elites, int(fine.sum()))]
-        rows = (off, offsets, rank, parents, held * scale, postures, cost)
+        rows: tuple[Any, ...] = (off, offsets, rank, parents, held * scale, postures, cost)
         return _Crowd(end.chosen(order), *(row[order] for row in rows)), dynamics
 
     @cached_property
