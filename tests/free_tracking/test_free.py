@@ -11,8 +11,10 @@ import pytest
 import understudy as us
 from understudy.control import Guidance, Push, Upright
 from understudy.errors import InvalidValue, UnderstudyError
-from understudy.free_tracking import Effort, Search, freed, track
+from understudy.free_tracking import Effort, freed, track
+from understudy.free_tracking.checkpoint import save
 from understudy.free_tracking.free import FREE, STEP
+from understudy.free_tracking.relay import Relay
 from understudy.motion.clip import Clip
 from understudy.performance import Performance, tracked
 from understudy.simulate import open_loop_controls, prepared, simulate
@@ -119,11 +121,9 @@ def test_a_stopped_search_goes_on_where_it_was(
     with pytest.raises(UnderstudyError, match="No pass of the search"):
         freed(servos, effort=SMALL, checkpoint=file, budget=0.0)
     first = replace(SMALL, passes=1)
-    search = Search(servos, effort=SMALL)
-    next(iter(search.passes()))
-    from understudy.free_tracking.checkpoint import save
-
-    save(search, file)
+    relay = Relay(servos, effort=SMALL)
+    next(iter(relay.passes()))
+    save(relay, file)
     resumed = guidance_of(freed(servos, effort=SMALL, checkpoint=file))
     assert take.performance is not None
     assert np.array_equal(resumed.offsets, guidance_of(take.performance).offsets)

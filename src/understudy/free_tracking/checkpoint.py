@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import zipfile
 from dataclasses import asdict
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,36 +15,42 @@ from understudy.control import Guidance
 from understudy.errors import UnderstudyError
 from understudy.free_tracking.dynamics import Dynamics
 from understudy.free_tracking.ladder import Ladder
+from understudy.free_tracking.relay import ROWS, Done, Relay
+from understudy.free_tracking.search import Search
+from understudy.free_tracking.windows import States
 from understudy.motion.files import written
 
-if TYPE_CHECKING:
-    from understudy.free_tracking.search import Search
-
-_ARRAYS = ("offsets", "help", "postures", "gains")
+Arrays = dict[str, np.ndarray]
 
 
-def save(search: Search, path: str | PathLike[str]) -> None:
-    """Write what the next pass needs, and the best guidance so far."""
-    ladder = search.ladder
-    arrays = {"scales": ladder.scales, "worked": ladder.worked}
+def save(relay: Relay, path: str | PathLike[str]) -> None:
+    """Write what is done, what the next pass of the piece at work needs, and its best run.
+
+    A piece that is tried again is not written before it is done: the same is tried again.
+    """
+    if relay.again:
+        return
+    arrays: Arrays = {}
+    search = relay.search
     for w, one in enumerate(search.dynamics):
         if one is not None:
             arrays |= {f"{w}.{name}": getattr(one, name) for name in Dynamics._fields}
-    best = search.best
     text: dict[str, Any] = {
-        "search": identity(search),
-        "ladder": {n: getattr(ladder, n) for n in ("children", "usual", "tried", "done")},
+        "search": relay.identity,
+        "ladder": asdict(search.ladder),
         "farthest": search.farthest,
-        "best": None,
+        "done": _packed(arrays, "done", relay.done),
     }
-    if best is not None:
-        arrays |= {f"best.{name}": getattr(best, name) for name in _ARRAYS}
-        text["best"] = {"window": best.window, "character": best.character, "found": best.found}
+    best = None
+    if search.best is not None and search.states is not None:
+        best = Done(search.best, search.states)
+    text["best"] = _packed(arrays, "best", best)
     with written(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, allow_pickle=False, text=np.array(json.dumps(text)), **arrays)
+        lists = json.dumps(text, default=lambda array: array.tolist())
+        np.savez(file, allow_pickle=False, text=np.array(lists), **arrays)
 
 
-def restore(search: Search, path: str | PathLike[str]) -> None:
+def restore(relay: Relay, path: str | PathLike[str]) -> None:
     """Go on from a file that `save` wrote, if there is one.
 
     Raises:
@@ -56,35 +61,48 @@ def restore(search: Search, path: str | PathLike[str]) -> None:
     try:
         with np.load(path, allow_pickle=False) as file:
             text = json.loads(str(file["text"]))
-            same = text["search"] == identity(search)
-            ladder = Ladder(**text["ladder"], scales=file["scales"], worked=file["worked"])
-            farthest = float(text["farthest"])
-            dynamics = [
-                Dynamics(*(file[f"{w}.{name}"] for name in Dynamics._fields))
-                if f"{w}.state" in file
-                else None
-                for w in range(search.windows)
-            ]
-            best = None
-            if text["best"] is not None:
-                best = Guidance(**{n: file[f"best.{n}"] for n in _ARRAYS}, **text["best"])
+            same = text["search"] == relay.identity
+            if same:
+                _take_over(relay, text, file)
     except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
         raise UnderstudyError(f"{path}: is not a checkpoint of a search ({error}).") from None
     if not same:
         raise UnderstudyError(f"{path}: belongs to another search; give another file or remove it.")
-    search.ladder, search.farthest = ladder, farthest
-    search.dynamics, search.best = dynamics, best
 
 
-def identity(search: Search) -> dict[str, Any]:
-    """What a search must share with the one whose checkpoint it goes on from."""
-    block, model = search.commands, search.model
-    digest = hashlib.sha256()
-    for array in (block[0], block[1], model.body_mass, model.actuator_gainprm, model.geom_size):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return {
-        "seed": search.seed,
-        "effort": asdict(search.effort),
-        "step": float(model.opt.timestep),
-        "commands": digest.hexdigest(),
+def _take_over(relay: Relay, text: dict[str, Any], file: Any) -> None:
+    done, best = _unpacked(file, "done", text["done"]), _unpacked(file, "best", text["best"])
+    if done is not None and len(done.guidance.offsets) == relay.windows:
+        relay.done = done
+        return
+    relay.begin(done)
+    search: Search = relay.search
+    ladder: dict[str, Any] = {
+        k: np.array(v) if isinstance(v, list) else v for k, v in text["ladder"].items()
     }
+    search.ladder, search.farthest = Ladder(**ladder), float(text["farthest"])
+    search.dynamics = [
+        Dynamics(*(file[f"{w}.{name}"] for name in Dynamics._fields))
+        if f"{w}.state" in file
+        else None
+        for w in range(search.windows)
+    ]
+    if best is not None:
+        search.best, search.states = best
+
+
+def _packed(arrays: Arrays, name: str, done: Done | None) -> dict[str, Any] | None:
+    """Put its arrays among the others, and give the rest."""
+    if done is None:
+        return None
+    own = done.guidance
+    arrays |= {f"{name}.{row}": getattr(own, row) for row in ROWS}
+    arrays |= {f"{name}.{row}": getattr(done.states, row) for row in States._fields}
+    return {"window": own.window, "character": own.character, "found": own.found}
+
+
+def _unpacked(file: Any, name: str, text: dict[str, Any] | None) -> Done | None:
+    if text is None:
+        return None
+    guidance = Guidance(**{row: file[f"{name}.{row}"] for row in ROWS}, **text)
+    return Done(guidance, States(*(file[f"{name}.{row}"] for row in States._fields)))

@@ -16,7 +16,8 @@ from understudy.character import Character
 from understudy.control import Compiled, PythonController
 from understudy.errors import InvalidValue, UnderstudyError
 from understudy.free_tracking.checkpoint import restore, save
-from understudy.free_tracking.search import Effort, Search
+from understudy.free_tracking.relay import Relay
+from understudy.free_tracking.search import Effort
 from understudy.motion.clip import Clip
 from understudy.performance import Performance, tracked
 from understudy.scene import timestep_for
@@ -118,16 +119,16 @@ def freed(
         UnderstudyError: No pass came to the end; or the checkpoint is of another search.
     """
     _check(performance)
-    search = Search(
+    relay = Relay(
         performance,
         seed=performance.seed if seed is None else seed,
         effort=effort,
         threads=threads or os.cpu_count() or 1,
     )
     if checkpoint is not None:
-        restore(search, checkpoint)
+        restore(relay, checkpoint)
     end = None if budget is None else clock.monotonic() + budget
-    with _bar(search, progress) as bar:
+    with _bar(relay, progress) as bar:
 
         def told(windows: int) -> None:
             bar.update(windows - bar.n)
@@ -135,19 +136,24 @@ def freed(
                 raise _TimeIsUp
 
         try:
-            for _ in search.passes(told):
+            for _ in relay.passes(told):
                 if checkpoint is not None:
-                    save(search, checkpoint)
-                bar.reset()
-                bar.set_description(_doing(search))
+                    save(relay, checkpoint)
+                bar.set_description(_doing(relay))
         except _TimeIsUp:
             pass
-    if search.best is None:
+    best = relay.best
+    if best is None:
+        first = relay.search.borders[-1] * performance.scene.timestep
         raise UnderstudyError(
-            f"No pass of the search came to the end of the {performance.duration:.1f} s: the "
-            f"farthest fell at {search.farthest:.1f} s. Try another seed or a longer budget."
+            f"No pass of the search came to the end of the first {first:.1f} s: the "
+            f"farthest fell at {relay.search.farthest:.1f} s. Try another seed or a longer budget."
         )
-    return replace(performance, controllers=(*performance.controllers, search.best))
+    return replace(
+        performance,
+        controllers=(*performance.controllers, best),
+        duration=min(performance.duration, len(best.offsets) * best.window),
+    )
 
 
 class _TimeIsUp(Exception):
@@ -155,10 +161,10 @@ class _TimeIsUp(Exception):
 
 
 @contextmanager
-def _bar(search: Search, progress: bool) -> Iterator[Any]:
+def _bar(relay: Relay, progress: bool) -> Iterator[Any]:
     with tqdm(
-        total=search.windows,
-        desc=_doing(search),
+        total=relay.windows,
+        desc=_doing(relay),
         unit="window",
         delay=2.0,
         disable=None if progress else True,
@@ -167,8 +173,10 @@ def _bar(search: Search, progress: bool) -> Iterator[Any]:
         yield bar
 
 
-def _doing(search: Search) -> str:
-    return f"pass {search.ladder.tried + 1}, help {100.0 * search.ladder.scales.mean():.0f} %"
+def _doing(relay: Relay) -> str:
+    ladder = relay.search.ladder
+    what = f"pass {ladder.tried + 1}, help {100.0 * ladder.scales.mean():.0f} %"
+    return what if relay.done is None else f"from {relay.begun:.1f} s, {what}"
 
 
 def _check(performance: Performance) -> None:

@@ -26,6 +26,7 @@ from understudy.free_tracking.goal import Goal
 from understudy.free_tracking.ladder import MARGIN, Ladder
 from understudy.free_tracking.windows import States, Windows
 from understudy.motion import rotations as rot
+from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
 from understudy.simulate import open_loop_controls, prepared, quiet_engine
@@ -95,6 +96,23 @@ class _Policy(NamedTuple):
     value: Array
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stretch:
+    """Part of a performance, to be searched by itself.
+
+    Attributes:
+        first: Step where it begins, the border of a window.
+        last: Step where it ends.
+        start: The state it begins in, one row; None for the performance's own first state.
+        offsets: Those of the window before [rad], shape (axes,); None for none.
+    """
+
+    first: int
+    last: int
+    start: States | None = None
+    offsets: Array | None = None
+
+
 _FALL, _END = 2000.0, 320.0  # Least costs of the best state of a fall, and of an end far off.
 _LOST = 20000.0  # A child this far off teaches nothing.
 _HELP = np.repeat([100.0, 25.0], 3)  # Standard deviation of the help's chance [N, N m].
@@ -111,6 +129,11 @@ class Search:
         effort: How hard to try.
         threads: For the simulations.
         character: Which of the scene's characters.
+        stretch: Part of the performance to search; by default all of it.
+
+    Attributes:
+        best: The guidance of the stretch with the least help so far, or None.
+        states: Where it takes the body, a row per border of its windows.
 
     Raises:
         InvalidValue: Nothing tracks a clip there, or the body has no legs.
@@ -124,6 +147,7 @@ class Search:
         effort: Effort | None = None,
         threads: int = 2,
         character: int = 0,
+        stretch: Stretch | None = None,
     ):
         self.performance, self.seed, self.threads = performance, seed, threads
         self.effort = Effort() if effort is None else effort
@@ -132,9 +156,12 @@ class Search:
         scene, dt = performance.scene, performance.scene.timestep
         every = max(1, round(self.effort.window / dt))
         self.window = every * dt
-        self.borders = [*range(0, performance.steps, every), performance.steps]
+        part = Stretch(first=0, last=performance.steps) if stretch is None else stretch
+        self.borders = [*range(part.first, part.last, every), part.last]
         self.windows = len(self.borders) - 1
-        self.model, self._start = prepared(performance)
+        self.model, data = prepared(performance)
+        self._start = States.of(data) if part.start is None else part.start
+        self._before = part.offsets
         self._layout = layout(scene, self.model, character)
         links = scene.characters[character].links
         kinds = [(links[link].role or "").partition("_")[2] for link, _ in axes(scene, character)]
@@ -144,6 +171,7 @@ class Search:
         self.ladder = Ladder.whole(self.windows, self.effort.children)
         self.dynamics: list[Dynamics | None] = [None] * self.windows
         self.best: Guidance | None = None
+        self.states: States | None = None
         self.farthest = 0.0
 
     def passes(self, told: Callable[[int], None] | None = None) -> Iterator[Pass]:
@@ -160,6 +188,11 @@ class Search:
             while not self.ladder.done and self.ladder.tried < self.effort.passes:
                 yield self._pass(windows, goal, told or (lambda _: None))
 
+    @property
+    def reference(self) -> Clip:
+        """The clip that is tracked."""
+        return self._tracking.reference
+
     def _goal(self, windows: Windows) -> Goal:
         scene = self.performance.scene
         times = np.array(self.borders) * scene.timestep
@@ -168,7 +201,7 @@ class Search:
 
     def _pass(self, windows: Windows, goal: Goal, told: Callable[[int], None]) -> Pass:
         """All windows once, with the ladder's help."""
-        rng = np.random.default_rng((self.seed, self.ladder.tried))
+        rng = np.random.default_rng((self.seed, self.ladder.tried, self.borders[0]))
         known = prior(len(self._sigma), self.window, goal.scales)
         gains, values = regulator(self.dynamics, goal.cost, self._penalty, self._penalty)
         crowds, found = [self._first(windows, goal)], list(self.dynamics)
@@ -216,7 +249,7 @@ class Search:
         offsets = self._offsets(rng, z, policy.gain)
         scale = float(self.ladder.scales[w])
         held = self._help(rng, goal, crowd, parents, scale)
-        span = slice(self.borders[w], self.borders[w + 1])
+        span = slice(*(border - self.borders[0] for border in self.borders[w : w + 2]))
         ctrl, applied = self.commands
         end, postures = windows.run(
             *(crowd.states, parents, offsets * self._sigma, held * scale),
@@ -244,17 +277,19 @@ class Search:
     @cached_property
     def commands(self) -> tuple[Array, Array]:
         """What all open-loop controllers ask for: controls and forces, a row per step."""
-        block = open_loop_controls(self.performance, self.model)
+        steps = self.borders[0], self.borders[-1]
+        block = open_loop_controls(self.performance, self.model, steps=steps)
         nothing = np.zeros((len(block.ctrl), self.model.nv))
         return block.ctrl, nothing if block.applied is None else block.applied
 
     def _first(self, windows: Windows, goal: Goal) -> _Crowd:
         """The first state alone."""
-        states, size = States.of(self._start), len(self._sigma)
+        states, size = self._start, len(self._sigma)
         postures = windows.postures(states.qpos, states.qvel)
         off = goal.deviations(postures, 0)
+        before = np.zeros(size) if self._before is None else self._before / self._sigma
         return _Crowd(
-            *(states, off, np.zeros((1, size)), np.zeros(1), np.zeros(1, int)),
+            *(states, off, before[None], np.zeros(1), np.zeros(1, int)),
             *(np.zeros((1, HELP)), postures, goal.costs(off)),
         )
 
@@ -297,6 +332,8 @@ class Search:
         share = float(shares.mean())
         if self.best is not None and self.best.found["help_percent"] < 100.0 * share:
             return cost
+        rows = [crowd.states.chosen([k]) for crowd, k in line]
+        self.states = States(*(np.concatenate(each) for each in zip(*rows, strict=True)))
         self.best = Guidance(
             window=self.window,
             offsets=np.array([crowd.offsets[k] * self._sigma for crowd, k in line[1:]]),

@@ -73,11 +73,19 @@ def prepared(performance: Performance) -> tuple[mujoco.MjModel, mujoco.MjData]:
     return model, data
 
 
-def open_loop_controls(performance: Performance, model: mujoco.MjModel) -> Controls:
-    """The sum of what the open-loop controllers ask for, one row per step."""
-    steps = performance.steps
-    times = np.arange(steps, dtype=np.float64) * performance.scene.timestep
-    ctrl, applied, pushes = np.zeros((steps, model.nu)), None, None
+def open_loop_controls(
+    performance: Performance, model: mujoco.MjModel, *, steps: tuple[int, int] | None = None
+) -> Controls:
+    """The sum of what the open-loop controllers ask for, one row per step.
+
+    Args:
+        performance: Whose controllers.
+        model: With their gains.
+        steps: First step and the one after the last; by default all.
+    """
+    first, last = (0, performance.steps) if steps is None else steps
+    times = np.arange(first, last, dtype=np.float64) * performance.scene.timestep
+    ctrl, applied, pushes = np.zeros((len(times), model.nu)), None, None
     for controller in performance.controllers:
         if isinstance(controller, OpenLoop):
             block = controller.controls(performance.scene, model, times)
