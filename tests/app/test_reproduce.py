@@ -154,3 +154,13 @@ def test_tune_drive_writes_parameters_that_other_clips_use(short, tmp_path, capf
     clip = us.sample("walk").trimmed(0.0, 0.5)
     performance = us.driven(clip, us.Linkage.from_clip(clip, "skeleton"), **kept)
     assert drive_error(us.simulate(performance)).mean < 100.0
+
+
+def test_searches_are_refused_for_a_paper_without_any(capsys):
+    assert main(["reproduce", "hodgins1995", "--seed", "3"]) == 2
+    assert "hodgins1995 has no searches" in capsys.readouterr().err
+
+
+def test_a_part_that_is_not_there_is_refused(capsys):
+    assert main(["reproduce", "hodgins1995", "--part", "swimming"]) == 2
+    assert "running" in capsys.readouterr().err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -17,9 +18,12 @@ if TYPE_CHECKING:
 EXAMPLE = """\
   understudy reproduce wilke2017 --out out
   understudy reproduce wilke2017 --clips cmu --out out
-  understudy reproduce zordan1999 --clips cmu"""
+  understudy reproduce zordan1999 --clips cmu
+  understudy reproduce hodgins1995 --part running --out out"""
 # What only one paper's experiments know.
 _SEARCHES = ("fetch", "points", "runs", "evaluations", "seed")
+# Folder with captured motions, where --clips gives none (hodgins1995).
+_CLIPS = "UNDERSTUDY_CLIPS"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,16 +31,18 @@ class Options:
     """Run a paper's experiments again: published and measured numbers side by side.
 
     wilke2017: tables 1 to 4 and figures 2 to 11 of Wilke & Semwal 2017. zordan1999: figures 1 and 4
-    to 9 of Zordan & Hodgins 1999. Writes PAPER.html, PAPER.json and a CSV per table. The page says
-    which clips stand in for the paper's, and what cannot be compared and why. About two minutes on
-    two cores.
+    to 9 of Zordan & Hodgins 1999. hodgins1995: what Hodgins et al. 1995 say of a part. Writes
+    PAPER.html, PAPER.json and a CSV per table. The page says which clips stand in for the paper's,
+    and what cannot be compared and why. About two minutes on two cores.
 
     Attributes:
-        paper: wilke2017 or zordan1999.
+        paper: wilke2017, zordan1999 or hodgins1995.
+        part: Of hodgins1995: running, figures 1 to 3, 5 and 6 and the text's statements.
         clips: Folder with captured motions, BVH or AMC; bundled samples for what is missing.
             wilke2017: CMU 141_02, 08, 14, 15, 30, or 127_03, 14_21, 135_04, 127_02, 09_12 and
             others in their place. zordan1999: a gesture, CMU 13_26, 13_18, 18_08, 02_05 or
-            wave_hello.
+            wave_hello. hodgins1995: runs to show beside, CMU 02_03, 35_17, 127_03; by default in
+            the folder that the variable UNDERSTUDY_CLIPS names.
         fetch: Download motions that are missing, where a public source is known (wilke2017).
         points: Points of a run of algorithm 1; nine simulations each (wilke2017).
         runs: Runs of algorithm 1 for each linkage; 0 for the paper's 5, 9 and 10 (wilke2017).
@@ -47,7 +53,10 @@ class Options:
         json: Print one JSON object.
     """
 
-    paper: Positional[Annotated[Literal["wilke2017", "zordan1999"], arg(metavar="PAPER")]]
+    paper: Positional[
+        Annotated[Literal["wilke2017", "zordan1999", "hodgins1995"], arg(metavar="PAPER")]
+    ]
+    part: Annotated[Literal["running"], arg(metavar="PART")] = "running"
     clips: Annotated[Path | None, arg(metavar="FOLDER", help_behavior_hint="(default: none)")] = (
         None
     )
@@ -69,7 +78,18 @@ def run(options: Options) -> Outcome:
 
     folder = options.out or Path(options.paper)
     ready(folder)
-    return _wilke(options, folder) if options.paper == "wilke2017" else _zordan(options, folder)
+    if options.paper == "wilke2017":
+        return _wilke(options, folder)
+    _without_searches(options)
+    return (_zordan if options.paper == "zordan1999" else _hodgins)(options, folder)
+
+
+def _without_searches(options: Options) -> None:
+    """Refuse what only the searches of wilke2017 know."""
+    usual = {field.name: field.default for field in fields(Options)}
+    for name in _SEARCHES:
+        if getattr(options, name) != usual[name]:
+            raise InvalidValue(f"--{name} is for wilke2017; {options.paper} has no searches.")
 
 
 def _wilke(options: Options, out: Path) -> Outcome:
@@ -98,14 +118,27 @@ def _zordan(options: Options, out: Path) -> Outcome:
     from understudy.app.performing import staged
     from understudy.papers import zordan1999
 
-    usual = {field.name: field.default for field in fields(Options)}
-    for name in _SEARCHES:
-        if getattr(options, name) != usual[name]:
-            raise InvalidValue(f"--{name} is for wilke2017; zordan1999 has no searches.")
     found = zordan1999.reproduce(options.clips, quick=options.quick, progress=True)
     with staged(out, options.paper) as (folder, files):
         zordan1999.write(found, folder)
     return Outcome(result=zordan1999.as_dict(found) | {"files": files}, text=told(found, files))
+
+
+def _hodgins(options: Options, out: Path) -> Outcome:
+    from understudy.app.performing import staged
+    from understudy.papers import hodgins1995
+    from understudy.papers.finding import told_of
+    from understudy.papers.hodgins1995.page import QUICK
+
+    named = os.environ.get(_CLIPS)
+    folder = options.clips or (Path(named) if named and Path(named).is_dir() else None)
+    found = hodgins1995.reproduce(options.part, folder, quick=options.quick, progress=True)
+    with staged(out, options.paper) as (place, files):
+        hodgins1995.write(found, place)
+    parts = [QUICK] if found.quick else []
+    parts += [f"captured: {', '.join(found.captured) or 'none'}", *told_of(found.findings)]
+    text = "\n\n".join([*parts, _listed(files)])
+    return Outcome(result=hodgins1995.as_dict(found) | {"files": files}, text=text)
 
 
 def told(found: zordan1999.Reproduced, files: dict[str, str]) -> str:

@@ -5,11 +5,18 @@ from __future__ import annotations
 import html as markup
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import Any, Protocol
 
-from understudy.evaluate.chart import Chart
 from understudy.papers.filmstrip import Film, films_html
 from understudy.papers.sheets import Sheet, as_html
+
+
+class Drawn(Protocol):
+    """A chart or another figure that becomes HTML."""
+
+    def html(self) -> str:
+        """The figure."""
+        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +54,7 @@ class Finding:
     """One figure, or a part of one, run again.
 
     Attributes:
-        figure: "4", or "8, staff".
+        figure: "4", "8, staff", or of statements without a figure what they are about: "speeds".
         title: Short.
         setting: How it was made: clip, body, gains; a sentence or two.
         claims: What the paper says, each with what was found.
@@ -61,14 +68,16 @@ class Finding:
     title: str
     setting: str
     claims: tuple[Claim, ...]
-    charts: tuple[Chart, ...] = ()
+    charts: tuple[Drawn, ...] = ()
     strips: tuple[Strip, ...] = field(default=(), repr=False)
     sheets: tuple[Sheet, ...] = ()
     facts: dict[str, Any] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
-        """With its word: "Figure 4", "Figures 1 and 7"."""
+        """With its word: "Figure 4", "Figures 1 and 7"; "Text" for statements without a figure."""
+        if not any(letter.isdigit() for letter in self.figure):
+            return f"Text, {self.figure}"
         return f"{'Figures' if ' and ' in self.figure else 'Figure'} {self.figure}"
 
 
