@@ -171,3 +171,16 @@ def test_captured_runs_stand_beside_a_run(clips: Path) -> None:
         found = likeness(one)
         assert found.curves["hip"].correlation > 0.90
         assert found.curves["knee"].correlation > 0.90
+
+
+def test_the_run_is_held_against_every_motion_beside_it():
+    run, other = average_runner(), average_runner(bent=5.0, name="bent")
+    found = running_data(run, beside=[other])
+    (one,) = found["beside"]
+    curves = {match["name"]: match for match in one["with_run"]}
+    assert curves["knee"]["correlation"] == pytest.approx(1.0)
+    assert curves["knee"]["offset_deg"] == pytest.approx(-5.0)
+    assert set(curves) == set(run.cycles[0].curves)
+    page = running_page(run, beside=[other])
+    assert "The curves of average against the others" in page
+    assert "against the others&" not in running_page(run)

@@ -15,11 +15,13 @@ from understudy.evaluate.gait import Gait, gait_of
 from understudy.evaluate.running import (
     MOST_BESIDE,
     Likeness,
+    beside_table,
     curves_table,
     figures_table,
     likeness,
     sources_list,
 )
+from understudy.evaluate.running import beside as curves_beside
 from understudy.evaluate.running_charts import running_charts
 from understudy.motion.files import written
 from understudy.output.page import page
@@ -46,8 +48,13 @@ def running_data(
         "kind": "understudy running",
         "schema": SCHEMA,
         "run": first.as_dict(),
-        "beside": [one.as_dict() for one in rest],
+        "beside": [one.as_dict() | {"with_run": _with(first, one)} for one in rest],
     }
+
+
+def _with(first: Likeness, other: Likeness) -> list[dict[str, Any]]:
+    """The run's curves against another's."""
+    return [match.as_dict() for match in curves_beside(first.gait, other.gait).values()]
 
 
 def running_page(
@@ -75,7 +82,7 @@ def running_page(
             f'<header><p class="kicker">Running beside people</p><h1>{_text(name)}</h1>'
             f"<p>{_text(statement(found[0]))}</p></header>",
             f"<section><h2>Figures</h2>{figures_table(found)}{_beyond(found)}</section>",
-            f"<section><h2>Curves</h2>{curves_table(found)}{charts}</section>",
+            f"<section><h2>Curves</h2>{curves_table(found)}{beside_table(found)}{charts}</section>",
             f"<section><h2>Sources</h2>{sources_list(found)}{_methods(found)}</section>",
         )
     )

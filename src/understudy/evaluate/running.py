@@ -146,6 +146,18 @@ def likeness(gait: Gait, *, speed: float | None = None) -> Likeness:
     )
 
 
+def beside(run: Gait, other: Gait) -> dict[str, CurveMatch]:
+    """A run's curves against another's, such as a captured one; by name.
+
+    Raises:
+        InvalidValue: One of them has no whole cycle.
+    """
+    return {
+        name: matched(name, *(np.degrees(one.curve(name)[0]) for one in (run, other)))
+        for name in CURVES
+    }
+
+
 def matched(name: str, mine: Array, theirs: Array) -> CurveMatch:
     """Two curves over the cycle [deg], shape (101,) each; the last value repeats the first."""
     a, b = mine[:-1], theirs[:-1]
@@ -276,6 +288,20 @@ def curves_table(found: Sequence[Likeness]) -> str:
         rows.append(cells)
     caption = f"Angle curves of {first.gait.name} against people's at the same speed"
     return table(f"{caption}, then the others' against people's at theirs", head, rows)
+
+
+def beside_table(found: Sequence[Likeness]) -> str:
+    """How like the other gaits' the curves of the first are, as HTML; nothing without others."""
+    first, *rest = found
+    if not rest:
+        return ""
+    matches = [beside(first.gait, one.gait) for one in rest]
+    rows = [
+        [title, *(f"{match[name].correlation:.3f}; {match[name].rms_deg:.1f}" for match in matches)]
+        for name, (title, _) in CURVES.items()
+    ]
+    head = ["Curve", *(f"{one.gait.name}: correlation; rms [°]" for one in rest)]
+    return table(f"The curves of {first.gait.name} against the others'", head, rows)
 
 
 def sources_list(found: Sequence[Likeness]) -> str:
