@@ -79,7 +79,7 @@ def test_the_center_of_mass_of_a_clip_is_the_engines() -> None:
     take = us.track(clip, us.Character.from_clip(clip))
     m = measured(take)
     simulated = take.clip(rate=take.rate)
-    mine = mass_center(take, m.performer(), simulated)
+    mine = mass_center(simulated, take.scene.characters[0])
     assert np.allclose(mine, m.center_of_mass[:, 0], atol=1e-9)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from understudy.errors import InvalidValue
 from understudy.evaluate import compare
-from understudy.evaluate.measure import Measured, Performer, measured
+from understudy.evaluate.measure import Measured, measured
 from understudy.evaluate.score import HELD, motion
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
@@ -22,6 +22,7 @@ from understudy.motion.edits import derivative
 from understudy.motion.rotations import Array
 
 if TYPE_CHECKING:
+    from understudy.character import Character
     from understudy.take import Take
 
 LOST_HEIGHT, LOST_ANGLE, LOST_DISTANCE = 0.2, np.radians(45.0), 0.6
@@ -96,7 +97,7 @@ def following(take: Take, *, character: int = 0, measures: Measured | None = Non
         raise InvalidValue("This take has no reference clip to compare with.")
     simulated = motion(take, m, character)
     found = compare.compared(simulated, reference)
-    apart = _apart(take, who, simulated, reference, found.times)
+    apart = _apart(who.character, simulated, reference, found.times)
     away = np.linalg.norm(apart, axis=1)
     lost = (np.abs(apart[:, 2]) > LOST_HEIGHT) | (away > LOST_DISTANCE)
     lost |= found.root_angles > LOST_ANGLE
@@ -117,22 +118,22 @@ def following(take: Take, *, character: int = 0, measures: Measured | None = Non
         com_mm=1e3 * float(np.sqrt(np.mean(np.square(away)))),
         com_peak_mm=1e3 * float(away.max()),
         shake=_shake(take.clip(character), reference),
-        clip_flight_s=flight_time(mass_center(take, who, reference), reference.rate),
+        clip_flight_s=flight_time(mass_center(reference, who.character), reference.rate),
     )
 
 
-def mass_center(take: Take, who: Performer, clip: Clip) -> Array:
+def mass_center(clip: Clip, character: Character) -> Array:
     """Center of mass of a character in the poses of a clip [m], world, shape (frames, 3).
 
     Args:
-        take: The take whose model has the masses.
-        who: The character.
         clip: A motion on its skeleton.
+        character: Whose masses.
     """
-    pose, model = clip.forward_kinematics(), take.model
-    share = model.body_mass[who.bodies] / model.body_mass[who.bodies].sum()
-    placed = pose.positions + rot.rotate(pose.rotations, model.body_ipos[who.bodies][None])
-    return np.einsum("j,fjk->fk", share, placed)
+    pose = clip.forward_kinematics()
+    masses = np.array([link.mass for link in character.links])
+    centers = np.array([link.com for link in character.links])
+    placed = pose.positions + rot.rotate(pose.rotations, centers[None])
+    return np.einsum("j,fjk->fk", masses / masses.sum(), placed)
 
 
 def flight_time(center: Array, rate: float) -> float:
@@ -149,13 +150,13 @@ def flight_time(center: Array, rate: float) -> float:
     return float(lengths[lengths >= SHORTEST_FLIGHT - 1e-9].sum())
 
 
-def _apart(take: Take, who: Performer, simulated: Clip, reference: Clip, times: Array) -> Array:
+def _apart(body: Character, simulated: Clip, reference: Clip, times: Array) -> Array:
     """From the clip's center of mass to the simulated one [m], world, shape (frames, 3)."""
     turned, path = compare.sampled(reference, times)
     there = Clip(
         skeleton=simulated.skeleton, rotations=turned, root_positions=path, rate=simulated.rate
     )
-    return mass_center(take, who, simulated)[: len(times)] - mass_center(take, who, there)
+    return mass_center(simulated, body)[: len(times)] - mass_center(there, body)
 
 
 def _shake(simulated: Clip, reference: Clip) -> float | None:

@@ -48,7 +48,7 @@ def page_html(
         players: Most players, of the worst runs.
         settings: What the runs had in common, in words.
     """
-    done = [run for run in runs if run.error is None]
+    done = [run for run in runs if not run.refused]
     clips = len({run.label for run in done})
     body = [
         f'<p class="kicker">{clips} clips, {len(done)} runs</p><h1>{_TITLE}</h1>',

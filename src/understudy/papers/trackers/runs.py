@@ -8,10 +8,11 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+from understudy.control import Tracking
 from understudy.errors import InvalidValue
-from understudy.evaluate.following import following
+from understudy.evaluate.following import flight_time, following, mass_center
 from understudy.evaluate.measure import measured
-from understudy.evaluate.score import score
+from understudy.evaluate.score import HELD, score
 from understudy.feasibility import assess
 
 if TYPE_CHECKING:
@@ -56,7 +57,8 @@ class Run:
         shake: Joint accelerations over the clip's.
         flight_s: Time the clip falls freely [s].
         cpu_s: Processor time of cleaning, search and take [s].
-        error: Why there is no result.
+        error: Why there is no take. A clip that was searched in vain has `seconds`, and counts as
+            not free; one that was refused has none, and counts for nothing.
         survived: Of each disturbance, how many replays were not lost, and of how many.
     """
 
@@ -95,9 +97,14 @@ class Run:
         return self.cpu_s / self.seconds if self.cpu_s is not None and self.seconds else None
 
     @property
+    def refused(self) -> bool:
+        """Whether nothing was tried: the file cannot be read, or holds no body with legs."""
+        return self.error is not None and not self.seconds
+
+    @property
     def success(self) -> bool:
         """Followed by the rule of published trackers, and with no help."""
-        held = self.help_percent is None or self.help_percent >= 0.5
+        held = self.help_percent is None or self.help_percent >= HELD
         return not held and self.peak_mm is not None and self.peak_mm < SUCCESS_MM
 
     @property
@@ -173,6 +180,16 @@ def missing(performance: Performance | None) -> float | None:
     return assess(performance).score
 
 
+def flight(performance: Performance) -> float:
+    """Time that the tracked clip falls freely [s]; 0 where no clip is tracked."""
+    for controller in performance.controllers:
+        if isinstance(controller, Tracking):
+            body = performance.scene.characters[controller.character]
+            center = mass_center(controller.reference, body)
+            return flight_time(center, controller.reference.rate)
+    return 0.0
+
+
 def easy(run: Run) -> bool:
     """CMU clips of at most 10 s whose poses leave at most 7 % unexplained."""
     return (
@@ -228,7 +245,7 @@ def summaries(runs: Sequence[Run]) -> list[tuple[str | int | float | None, ...]]
     rows = []
     for group, belongs in GROUPS.items():
         for half, within in HALVES.items():
-            found = [r for r in runs if r.error is None and belongs(r) and within(r)]
+            found = [r for r in runs if not r.refused and belongs(r) and within(r)]
             if found:
                 rows.append((group, half, *_summary(found)))
     return rows
@@ -307,12 +324,12 @@ def table(runs: Sequence[Run]) -> list[tuple[str, ...]]:
 
 
 def _row(run: Run) -> tuple[str, ...]:
-    if run.error is not None:
-        return (run.name, str(run.seed), *[""] * (len(HEAD) - 3), run.error)
-
     def cell(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
 
+    if run.error is not None:
+        known = (f"{run.seconds:.2f}", cell(run.score_percent, ".1f"))
+        return (run.name, str(run.seed), *known, run.error, *[""] * (len(HEAD) - 5))
     slide = f"{cell(run.slide_mm_s, '.0f')}/{cell(run.clip_slide_mm_s, '.0f')}"
     return (
         run.name,
