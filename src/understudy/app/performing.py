@@ -23,6 +23,8 @@ from understudy.errors import ControllerFailed, Diverged, InvalidValue, Understu
 from understudy.motion.files import same_file, writable
 
 if TYPE_CHECKING:
+    from understudy.character import Character
+    from understudy.motion.clip import Clip
     from understudy.take import Take
 
 
@@ -37,6 +39,7 @@ class Job:
         reading: How to read it.
         body: Who performs it.
         settings: Keyword arguments of `understudy.track`.
+        seeds: Most seeds to try when the pelvis is free.
         kinds: Endings of the optional files wanted: ".mp4", ".png".
         keep: Files that are read by this job or another, so not to be written.
     """
@@ -47,6 +50,7 @@ class Job:
     reading: Reading
     body: Body
     settings: dict[str, Any] = field(default_factory=dict)
+    seeds: int = 1
     kinds: tuple[str, ...] = ()
     keep: tuple[Path, ...] = ()
 
@@ -103,13 +107,12 @@ def performed(job: Job) -> Row:
     Raises:
         UnderstudyError: As its subclasses say; nothing was written.
     """
-    import understudy as us
     from understudy.evaluate import certificate
 
     started = time.monotonic()
     clip = clip_from(job.clip, job.reading)
     character = character_for(clip, job.body)
-    take = us.track(clip, character, **job.settings)
+    take = taken(clip, character, job)
     found, (reference,) = certificate(take), take.references
     found["feasibility"] = foreseen(take)
     with staged(job.folder, job.name, keep=job.keep) as (folder, files):
@@ -124,6 +127,16 @@ def performed(job: Job) -> Row:
         notes=() if reference is None else reference.notes,
         wall_s=time.monotonic() - started,
     )
+
+
+def taken(clip: Clip, character: Character, job: Job) -> Take:
+    """The take of a job."""
+    import understudy as us
+    from understudy.app.freeing import freed
+
+    if job.settings.get("pelvis") != "free":
+        return us.track(clip, character, **job.settings)
+    return freed(clip, character, job.settings, seeds=job.seeds, folder=job.folder, name=job.name)
 
 
 def foreseen(take: Take) -> dict[str, Any] | None:

@@ -36,6 +36,7 @@ FREELY = """\
 s free: time without any outside force before the body was lost. CoM, global: distance of the center
 of mass (root mean square) and of the joints (mean) from the prepared clip's, in the world."""
 
+_SPENT = ("cpu_seconds", "search_cpu_seconds")
 _DIED = "its process died, perhaps for lack of memory; trim the clip or lower --jobs."
 
 
@@ -50,9 +51,12 @@ class Options(Body, Reading):
     Attributes:
         clips: Motion files, folders of them, or samples as sample:NAME.
         law: modern (follows without lag) or paper (Zordan & Hodgins 1999).
-        pelvis: led along its path (usual without legs), assisted softly (usual), or free.
+        pelvis: led along its path (usual without legs), assisted softly (usual), or free: nothing
+            holds it, and how to stay on its feet is searched.
+        seeds: With a free pelvis: seeds to try from --seed on, until one needs no help.
+        budget: With a free pelvis: most seconds each search may take.
         stiffness: Servo stiffness per inertia [1/s^2].
-        torque_limits: Bound every joint by human strength, or not.
+        torque_limits: Bound every joint by human strength (usual with a free pelvis), or not.
         self_collision: Let the arms touch trunk and legs (pairs), or not.
         seed: Seed of every random choice.
         out: Folder for the files.
@@ -73,7 +77,12 @@ class Options(Body, Reading):
     stiffness: Annotated[float | None, arg(metavar="K", help_behavior_hint="(default: 3000)")] = (
         None
     )
-    torque_limits: Literal["off", "human"] = "off"
+    seeds: Annotated[int | None, arg(metavar="N", help_behavior_hint="(default: 1)")] = None
+    budget: Annotated[float | None, arg(metavar="S", help_behavior_hint="(default: none)")] = None
+    torque_limits: Annotated[
+        Literal["off", "human"] | None,
+        arg(metavar="{off,human}", help_behavior_hint="(default: by the pelvis)"),
+    ] = None
     self_collision: Literal["off", "pairs"] = "off"
     seed: int = 0
     out: Annotated[
@@ -98,6 +107,7 @@ def run(options: Options) -> Outcome:
     if options.out is not None and options.out.exists() and not options.out.is_dir():
         raise InvalidValue(f"{options.out}: is a file; --out needs a folder.")
     check_body(options)
+    check_search(options)
     jobs = jobs_for(options)
     check_targets(jobs)
     rows: dict[int, Row] = {}
@@ -106,9 +116,27 @@ def run(options: Options) -> Outcome:
     except KeyboardInterrupt as stop:
         done = [rows[index] for index in sorted(rows)]
         status_ = getattr(stop, "status", Interrupted().status)
-        raise Interrupted(result=result(done), status=status_) from stop
+        kept = "finished files are kept"
+        if options.pelvis == "free":
+            kept += ", and the search as far as it came: the same command goes on with it"
+        raise Interrupted(result=result(done), status=status_, kept=kept) from stop
     ordered = [rows[index] for index in range(len(jobs))]
     return Outcome(result=result(ordered), text=text(ordered), status=status(ordered))
+
+
+def check_search(options: Options) -> None:
+    """Refuse settings of a search where nothing is searched, or that leave nothing to search.
+
+    Raises:
+        InvalidValue: Says which.
+    """
+    for name, value in (("seeds", options.seeds), ("budget", options.budget)):
+        if value is None:
+            continue
+        if options.pelvis != "free":
+            raise InvalidValue(f"--{name} is for --pelvis free.")
+        if not 0 < value < float("inf"):
+            raise InvalidValue(f"--{name} is {value}; it must be positive.")
 
 
 def check_targets(jobs: Sequence[Job]) -> None:
@@ -149,12 +177,16 @@ def jobs_for(options: Options) -> list[Job]:
     settings: dict[str, Any] = {
         "law": options.law,
         "pelvis": options.pelvis,
-        "torque_limits": options.torque_limits,
         "self_collision": options.self_collision,
         "seed": options.seed,
     }
-    if options.stiffness is not None:
-        settings["stiffness"] = options.stiffness
+    for name in ("stiffness", "torque_limits", "budget"):
+        if (value := getattr(options, name)) is not None:
+            settings[name] = value
+    if options.pelvis == "free":
+        count = len(options.clips)
+        at_once = min(count, options.jobs or cores())
+        settings |= {"threads": max(1, cores() // at_once), "progress": count == 1}
     reading = Reading(**{name: getattr(options, name) for name in Reading.__dataclass_fields__})
     body = Body(**{name: getattr(options, name) for name in Body.__dataclass_fields__})
     wanted = ((".png", options.stills), (".mp4", options.video))
@@ -168,6 +200,7 @@ def jobs_for(options: Options) -> list[Job]:
             reading=reading,
             body=body,
             settings=settings,
+            seeds=options.seeds or 1,
             kinds=tuple(kind for kind, yes in wanted if yes),
             keep=keep,
         )
@@ -275,7 +308,7 @@ def cells(row: Row) -> dict[str, str]:
         "CoM mm": number(followed.get("com_mm"), ".1f"),
         "global mm": number(one["joint_position_mm"], ".1f"),
         "lag ms": number(one["lag_ms"], "z.0f"),
-        "CPU s": number(whole["timing"].get("cpu_seconds"), ".1f"),
+        "CPU s": number(sum(whole["timing"].get(name, 0.0) for name in _SPENT), ".1f"),
         "missing %": number((whole["feasibility"] or {}).get("score_percent"), ".0f"),
         "help %": ("0" if one["fully_physical"] else held)
         + ("" if one["fell_s"] is None else ", fell"),

@@ -1,0 +1,84 @@
+"""A clip tracked with nothing to hold on to, with one seed or several; its search kept on disk."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from understudy.errors import InvalidValue, UnderstudyError
+
+if TYPE_CHECKING:
+    from understudy.character import Character
+    from understudy.motion.clip import Clip
+    from understudy.take import Take
+
+
+def checkpoint(folder: Path, name: str, seed: int) -> Path:
+    """Where the search of a clip with a seed is kept."""
+    return folder / f"{name}.seed{seed}.search"
+
+
+def freed(
+    clip: Clip,
+    character: Character,
+    settings: Mapping[str, Any],
+    *,
+    seeds: int,
+    folder: Path,
+    name: str,
+) -> Take:
+    """The take of the first seed that is free, else of the one with the least help.
+
+    Args:
+        clip: The clip.
+        character: The body.
+        settings: Keyword arguments of `understudy.track`; `seed` is the first one tried.
+        seeds: Most seeds to try.
+        folder: Where the searches are kept; made if need be.
+        name: Stem of their files.
+
+    Raises:
+        UnderstudyError: No seed came to the end of the clip; the first one's reason.
+    """
+    import understudy as us
+
+    made = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
+    best, reason, tried = None, None, 0
+    first = settings.get("seed", 0)
+    try:
+        for seed in range(first, first + seeds):
+            tried += 1
+            kept = checkpoint(folder, name, seed)
+            try:
+                take = us.track(clip, character, **{**settings, "seed": seed, "checkpoint": kept})
+            except InvalidValue:
+                raise
+            except UnderstudyError as error:
+                reason = reason or error
+                continue
+            if best is None or badness(take) < badness(best):
+                best = take
+            if badness(best)[0] == 0.0:
+                break
+    finally:
+        if made:
+            with contextlib.suppress(OSError):
+                folder.rmdir()  # when nothing was written
+    if best is None:
+        raise reason or UnderstudyError(f"{seeds} seeds leave nothing to try.")
+    if seeds > 1:
+        best.facts["seeds_tried"] = tried
+    return best
+
+
+def badness(take: Take) -> tuple[float, float]:
+    """What takes of one clip are ranked by: help, 0 when free, much more when lost; then error."""
+    from understudy.evaluate import following
+
+    found = following(take)
+    if found.free:
+        return 0.0, found.joint_position_mm
+    return found.help_percent + (1e3 if found.lost_s is not None else 1e-9), found.joint_position_mm

@@ -1,0 +1,103 @@
+"""`understudy track --pelvis free`: the search is kept, the best seed wins, the table says how."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+
+import pytest
+
+import understudy as us
+from understudy.app import freeing
+from understudy.app.main import main
+from understudy.errors import UnderstudyError
+from understudy.performance import tracked
+from understudy.simulate import simulate
+
+
+@pytest.fixture(scope="module")
+def freely(short, tmp_path_factory):
+    """What the command wrote and printed for the short clip."""
+    folder = tmp_path_factory.mktemp("free")
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(folder)]) == 0
+    return folder
+
+
+def test_nothing_holds_a_free_clip_and_the_search_is_kept(freely):
+    saved = json.loads((freely / "wave.json").read_text(encoding="utf-8"))
+    (one,) = saved["characters"]
+    assert saved["fully_physical"] and one["pelvis"] == "free"
+    assert one["following"]["free"]
+    assert saved["statement"].startswith("Nothing but contact holds the body")
+    assert (freely / "wave.seed0.search").stat().st_size > 0
+
+
+def test_the_same_command_goes_on_from_its_search(freely, short, capsys):
+    before = (freely / "wave_sim.bvh").read_bytes()
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(freely)]) == 0
+    assert (freely / "wave_sim.bvh").read_bytes() == before
+    head, _, line = capsys.readouterr().out.splitlines()[:3]
+    assert "s free" in head and line.split()[-1] == "0"
+
+
+def test_a_search_of_another_clip_is_not_gone_on_with(freely, tmp_path, capsys):
+    other = tmp_path / "wave.bvh"
+    us.write(us.sample("gesture").trimmed(2.0, 2.4).resampled(60.0), other)
+    assert main(["track", str(other), "--pelvis", "free", "--out", str(freely)]) == 2
+    assert "belongs to another search" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--seeds", "2"], "--seeds is for --pelvis free"),
+        (["--pelvis", "assisted", "--budget", "9"], "--budget is for --pelvis free"),
+        (["--pelvis", "free", "--budget", "0"], "--budget is 0"),
+        (["--pelvis", "free", "--seeds", "-1"], "--seeds is -1"),
+        (["--pelvis", "free", "--plan", "upper"], "legs"),
+    ],
+)
+def test_what_cannot_be_searched_is_said_in_one_line(words, expected, short, tmp_path, capsys):
+    folder = tmp_path / "out"
+    assert main(["track", str(short), *words, "--out", str(folder)]) == 2
+    captured = capsys.readouterr()
+    assert expected in captured.err and captured.err.count("\n") == 1
+    assert not folder.exists()
+
+
+def test_seeds_are_tried_until_one_is_free_and_no_further(short, tmp_path, monkeypatch):
+    clip = us.read(short)
+    body = us.Character.from_clip(clip)
+    helped = us.track(clip, body)
+    free = simulate(tracked(clip, body, pelvis="free"))
+    asked = []
+
+    def by_seed(*_, seed, checkpoint, **__):
+        asked.append((seed, checkpoint.name))
+        if seed == 4:
+            raise UnderstudyError("it fell")
+        return helped if seed == 5 else free
+
+    monkeypatch.setattr(us, "track", by_seed)
+    take = freeing.freed(clip, body, {"seed": 4}, seeds=9, folder=tmp_path, name="wave")
+    assert take is free and take.facts["seeds_tried"] == 3
+    assert asked == [(seed, f"wave.seed{seed}.search") for seed in (4, 5, 6)]
+
+
+def test_without_a_free_seed_the_least_help_wins(short, tmp_path, monkeypatch):
+    clip = us.read(short)
+    helps = {0: 9.0, 1: 3.0, 2: 5.0}
+    monkeypatch.setattr(us, "track", lambda *_, seed, **__: SimpleNamespace(seed=seed, facts={}))
+    monkeypatch.setattr(freeing, "badness", lambda take: (helps[take.seed], 1.0))
+    take = freeing.freed(clip, None, {}, seeds=3, folder=tmp_path, name="wave")  # type: ignore
+    assert take.seed == 1
+
+
+def test_when_no_seed_comes_to_the_end_the_first_reason_is_told(short, tmp_path, monkeypatch):
+    def fell(*_, seed, **__):
+        raise UnderstudyError(f"seed {seed} fell")
+
+    monkeypatch.setattr(us, "track", fell)
+    with pytest.raises(UnderstudyError, match="seed 0 fell"):
+        freeing.freed(us.read(short), None, {}, seeds=2, folder=tmp_path / "a", name="w")  # type: ignore
+    assert not (tmp_path / "a").exists()
