@@ -5,7 +5,8 @@ In: a clip and a character, or a performance with a free pelvis. Out: the perfor
 """
 
 from understudy.free_tracking.free import freed, track
+from understudy.free_tracking.passes import Effort
 from understudy.free_tracking.relay import Relay
-from understudy.free_tracking.search import Effort, Pass, Search
+from understudy.free_tracking.search import Pass, Search
 
 __all__ = ["Effort", "Pass", "Relay", "Search", "freed", "track"]

@@ -16,8 +16,8 @@ from understudy.character import Character
 from understudy.control import Compiled, PythonController
 from understudy.errors import InvalidValue, UnderstudyError
 from understudy.free_tracking.checkpoint import restore, save
+from understudy.free_tracking.passes import Effort
 from understudy.free_tracking.relay import Relay
-from understudy.free_tracking.search import Effort
 from understudy.motion.clip import Clip
 from understudy.performance import Performance, tracked
 from understudy.scene import timestep_for
@@ -25,9 +25,9 @@ from understudy.simulate import simulate
 from understudy.simulate import track as tracked_take
 from understudy.take import Take
 
-# Physics of a free body: a servo at its limit needs steps as short, its stiffness an integrator
-# that takes it implicitly.
-STEP = 1.0 / 240.0
+# Physics of a free body: soft servos and an integrator that takes their stiffness implicitly stand
+# long steps, and a search costs as much as it has steps.
+STEP = 1.0 / 120.0
 FREE: dict[str, Any] = {"integrator": "discrete", "servos": "soft", "torque_limits": "human"}
 
 
@@ -62,7 +62,7 @@ def track(
         checkpoint: File that keeps the search; see `freed`.
         progress: Show progress bars on standard error.
         settings: See `understudy.performance.tracked`. For a free body the defaults are soft
-            servos, human torque limits, steps of 1/240 s and the discrete integrator.
+            servos, human torque limits, steps of 1/120 s and the discrete integrator.
 
     Raises:
         Diverged: The simulation blew up; carries the take up to then.

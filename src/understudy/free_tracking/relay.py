@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from understudy.control import Guidance
-from understudy.free_tracking.search import Effort, Search, Stretch
+from understudy.free_tracking.passes import Effort
+from understudy.free_tracking.search import Search, Stretch
 from understudy.free_tracking.windows import States
 from understudy.performance import Performance
 
