@@ -95,10 +95,10 @@ class Windows:
     def postures(self, qpos: Array, qvel: Array) -> Array:
         """Postures of given states, shape (states, POSTURE)."""
         out, data = np.empty((len(qpos), POSTURE)), self._bodies[0]
-        state, law = EngineState.of(data), compiled(posture)
+        state = EngineState.of(data)
         for k in range(len(qpos)):
             data.qpos[:], data.qvel[:] = qpos[k], qvel[k]
             for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel):
                 stage(self.model, data)
-            law(state, self._layout, out[k])
+            posture(state, self._layout, out[k])
         return out
