@@ -23,6 +23,7 @@ from understudy.performance import Performance, tracked
 from understudy.simulate import simulate
 
 SMALL = Effort(children=60, elites=40)
+EVERY = round(SMALL.window / STEP)
 
 
 @pytest.fixture(scope="module")
@@ -85,8 +86,8 @@ class Scripted:
         self.performance, self.model = performance, performance.scene.model
         self.reference = performance.controllers[0].reference  # type: ignore[union-attr]
         self.commands = (np.zeros(1), np.zeros(1))
-        self.borders = list(range(stretch.first, stretch.last + 1, 12))
-        Scripted.tried.append((stretch.first // 12, stretch.last // 12))
+        self.borders = list(range(stretch.first, stretch.last + 1, EVERY))
+        Scripted.tried.append((stretch.first // EVERY, stretch.last // EVERY))
         self.ladder = SimpleNamespace(done=False)
         self.best: Guidance | None = None
         self.states: States | None = None
@@ -97,7 +98,7 @@ class Scripted:
         if newtons is not None:
             help_ = np.zeros((windows, HELP))
             help_[:, 2] = newtons
-            count = self.borders[0] // 12 + np.arange(float(windows))
+            count = self.borders[0] // EVERY + np.arange(float(windows))
             self.best = Guidance(
                 window=0.05,
                 offsets=np.repeat(count[:, None], 2, axis=1),
