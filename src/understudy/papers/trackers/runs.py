@@ -8,10 +8,12 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from understudy.control import Tracking
 from understudy.errors import InvalidValue
 from understudy.evaluate.following import flight_time, following, mass_center
-from understudy.evaluate.measure import measured
+from understudy.evaluate.measure import Measured, measured
 from understudy.evaluate.score import HELD, score
 from understudy.feasibility import assess
 
@@ -53,7 +55,9 @@ class Run:
         clip_slide_mm_s: The cleaned clip's own [mm/s].
         torque_nm: Largest joint torque [N m].
         torque_joint: Where.
-        strength_percent: Largest share of human strength any joint used [%].
+        strength_percent: Largest torque of any joint over the published strength of people about
+            its strongest axis [%].
+        over_percent: Share of the time in which any joint's torque exceeds that strength [%].
         shake: Joint accelerations over the clip's.
         flight_s: Time the clip falls freely [s].
         cpu_s: Processor time of cleaning, search and take [s].
@@ -81,6 +85,7 @@ class Run:
     torque_nm: float | None = None
     torque_joint: str | None = None
     strength_percent: float | None = None
+    over_percent: float | None = None
     shake: float | None = None
     flight_s: float | None = None
     cpu_s: float | None = None
@@ -147,6 +152,7 @@ def run_of(
     """
     m = measured(take)
     s, f = score(take, measures=m), following(take, measures=m)
+    strength = _strength(m)
     return Run(
         label=label,
         number=number,
@@ -166,11 +172,21 @@ def run_of(
         clip_slide_mm_s=s.clip_foot_slide_mm_s,
         torque_nm=s.torque_peak_nm,
         torque_joint=s.torque_peak_joint,
-        strength_percent=max(s.strength_percent.values(), default=None),
+        strength_percent=strength[0],
+        over_percent=strength[1],
         shake=f.shake,
         flight_s=f.clip_flight_s,
         cpu_s=cpu_s,
     )
+
+
+def _strength(m: Measured) -> tuple[float, float]:
+    """Largest torque over human strength [%], and time above it [%]; unknown strength left out."""
+    torque = np.linalg.norm(m.joint_torques(), axis=2)
+    links = m.performer().character.links[1:]
+    strongest = [np.inf if k.torque_limit is None else np.max(k.torque_limit) for k in links]
+    used = torque / np.array(strongest)
+    return 100.0 * float(used.max()), 100.0 * float(np.mean(used.max(axis=1) > 1.001))
 
 
 def missing(performance: Performance | None) -> float | None:
@@ -312,6 +328,7 @@ HEAD = (
     "slide/clip mm/s",
     "torque N m",
     "of limit %",
+    "time over %",
     "shake",
     "CPU-s/s",
 )
@@ -345,6 +362,7 @@ def _row(run: Run) -> tuple[str, ...]:
         slide,
         cell(run.torque_nm, ".0f"),
         cell(run.strength_percent, ".0f"),
+        cell(run.over_percent, ".1f"),
         cell(run.shake, ".2f"),
         cell(run.cost, ".2f"),
     )
