@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from understudy.character import Athlete, Linkage
+from understudy.character import Athlete, Linkage, retargeted
+from understudy.control import Tracking
+from understudy.control.reference import sampled as sampled_reference
 from understudy.errors import InvalidValue
 from understudy.motion.clip import Clip, Conventions
 from understudy.motion.edits import sampled
@@ -159,3 +161,46 @@ class Take:
             mujoco.mj_kinematics(self.model, data)
             placed[k], turned[k] = data.xpos, data.xquat
         return self.times[::every], placed, turned
+
+
+def posed(performance: Performance, *, character: int = 0) -> Take:
+    """What a character is to track, as a take in which nothing was simulated.
+
+    Its frames are the prepared clip's, its reference the clip as it was read, on the same body and
+    raised or lowered by one constant to the same height: pictures and players show both.
+
+    Args:
+        performance: As `tracked` gives.
+        character: Which of the scene's characters; props and others rest.
+
+    Raises:
+        InvalidValue: That character tracks no clip.
+    """
+    followed = [c for c in performance.controllers if isinstance(c, Tracking)]
+    tracking = next((c for c in followed if c.character == character), None)
+    if tracking is None:
+        raise InvalidValue(f"Character {character} tracks no clip; there is nothing to pose.")
+    clip, scene = tracking.reference, performance.scene
+    captured = clip if tracking.captured is None else tracking.captured
+    raw = retargeted(captured, scene.characters[character])
+    common = min(raw.frames, clip.frames)
+    away = clip.root_positions[:common, 2] - raw.root_positions[:common, 2]
+    raw = replace(raw, root_positions=raw.root_positions + np.array([0.0, 0.0, np.median(away)]))
+    reference = sampled_reference(clip, clip.times)
+    qpos = np.tile(scene.model.qpos0, (clip.frames, 1))
+    qpos[:, scene.parts[character].qpos] = reference.qpos()
+    shown: list[Clip | None] = [None] * len(scene.characters)
+    shown[character] = raw
+    return Take(
+        scene=scene,
+        performance=performance,
+        model=scene.model,
+        rate=clip.rate,
+        times=clip.times,
+        qpos=qpos,
+        qvel=np.zeros((clip.frames, scene.model.nv)),
+        ctrl=np.zeros((clip.frames, scene.model.nu)),
+        qfrc_applied=np.zeros((clip.frames, scene.model.nv)),
+        references=tuple(shown),
+        facts={"posed": True},
+    )

@@ -134,8 +134,8 @@ def contact_sheet(
         view = f"follow-{view}"
     shown = playback(thing, rate=60.0)
     frames = np.unique(np.linspace(0, shown.frames - 1, count).round().astype(int))
-    rows = [("reference", shown.reference())] if shown.ghost is not None else []
-    rows.append(("simulated" if shown.simulated else shown.name, shown.alone()))
+    rows = [(shown.labels[1], shown.reference())] if shown.ghost is not None else []
+    rows.append((shown.labels[0] if shown.simulated else shown.name, shown.alone()))
     shots = _shots(shown, [row for _, row in rows], view, width / height)
     drawing = opened(shown.model, width, height, renderer=renderer, spec=shown.spec)
     try:

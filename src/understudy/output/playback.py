@@ -25,6 +25,8 @@ from understudy.output.camera import Shot, bearing_of, framed, smoothed
 if TYPE_CHECKING:
     from understudy.take import Take
 
+# What body and ghost are called in a take, and in one that shows how a clip was prepared.
+LABELS = {False: ("simulated", "reference"), True: ("prepared", "as read")}
 _GAP = 0.35  # m between a body and the ghost beside it
 _FRAMING_POSES = 90  # poses looked at to place the camera
 _NEAR = 1.5  # a prop's points this near the performers are kept in the picture [m]
@@ -46,6 +48,7 @@ class Playback:
         ghost_roots: The same for the performers that have a ghost; of loose bodies, every one's.
         name: For titles.
         simulated: False when the poses come from a clip.
+        labels: What the body and its ghost are.
         names: Name of every body, from which left and right are told; by default the model's.
         props: Bodies that belong to no performer and are held by none.
     """
@@ -61,6 +64,7 @@ class Playback:
     ghost_roots: tuple[int, ...] = ()
     name: str = "take"
     simulated: bool = True
+    labels: tuple[str, str] = ("simulated", "reference")
     names: tuple[str, ...] = ()
     props: tuple[int, ...] = ()
 
@@ -272,6 +276,7 @@ def _of_take(take: Take, rate: float) -> Playback:
         roots=tuple(part.qpos.start for part in take.scene.parts),
         ghost_roots=tuple(ghost_roots),
         props=props_of(take),
+        labels=LABELS[bool(take.facts.get("posed"))],
         name=" + ".join(named) or " + ".join(c.name for c in take.scene.characters),
     )
 

@@ -153,8 +153,8 @@ def _labels(shown: Playback) -> list[dict[str, Any]]:
     root = shown.ghost_bodies[0]
     above = float(tops[:, 2].max() - placed[0, root, 2]) + 0.08
     return [
-        {"body": int(root), "text": text, "ghost": text == "reference", "height": above}
-        for text in ("simulated", "reference")
+        {"body": int(root), "text": text, "ghost": ghost, "height": above}
+        for text, ghost in zip(shown.labels, (False, True), strict=True)
     ]
 
 
