@@ -82,7 +82,9 @@ def test_feet_stay_where_they_were_planted(name):
     body = Character.from_clip(clip)
     before = planted(standing(retargeted(clip, body), body), body)
     after = supported(before, body, FLOOR)
-    np.testing.assert_allclose(sole_paths(after, body), sole_paths(before, body), atol=2e-3)
+    old, new = sole_paths(before, body), sole_paths(after, body)
+    low = old[..., 2] < 0.02
+    np.testing.assert_allclose(new[low], old[low], atol=2e-3)
     assert lack(after, body) <= lack(before, body)
 
 

@@ -7,8 +7,8 @@ that contact leaves over and m the mass,
 
     minimize  sum |d'' + r / m|^2 + STIFFNESS |d|^2
 
-a banded least-squares problem per axis. Feet and, where they bear, hands stay where they are: legs
-and arms close the gap. Contact changes a little with the path, so it is repeated.
+a banded least-squares problem per axis. Feet on the floor stay where they are and legs close the
+gap; a foot in the air goes along. Contact changes a little with the path, so it is repeated.
 
 A stretch without ground under it that does not fall as a flight does (a support is missing from the
 scene) is left as it is.
@@ -24,6 +24,7 @@ from scipy.ndimage import find_objects, label
 
 from understudy.character.body import Character
 from understudy.character.planting import LATERAL, LEG, moved_end
+from understudy.character.soles import sole_paths
 from understudy.control.feedforward import REACH, required
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
@@ -42,6 +43,8 @@ MOST_SHIFT = 0.06
 # unexplained force, up or down, exceeds the second is no flight.
 BORNE, FLIGHT = 0.05, 0.3
 BRIEF = 0.1  # And lasts longer than this [s].
+# A foot lower than this stays where it is, one higher than that goes with the pelvis [m].
+NEAR, HIGH = 0.03, 0.2
 # Window of the accelerations [s].
 SMOOTHING = 0.125
 
@@ -54,9 +57,7 @@ def supported(clip: Clip, character: Character, ground: Ground) -> Clip:
         character: The body.
         ground: What it stands on.
     """
-    joints = [link.joint for link in character.links]
-    legs = [[f"{side}_{name}" for name in LEG] for side in ("left", "right")]
-    legs = [[joints.index(name) for name in leg] for leg in legs if set(leg) <= set(joints)]
+    legs = _legs(clip, character, ground)
     if clip.frames < 10 or not legs:
         return clip
     scene = Scene(characters=(character,), ground=ground, timestep=timestep_for(clip.rate))
@@ -107,10 +108,24 @@ def _shift(shift: Array, wanted: Array, weight: Array, rate: float) -> Array:
     return np.clip(solveh_banded(band, right), -MOST_SHIFT, MOST_SHIFT)
 
 
-def _moved(clip: Clip, shift: Array, legs: list[list[int]]) -> Clip:
-    """The clip with its pelvis shifted [m] and its feet where they were."""
+def _legs(clip: Clip, character: Character, ground: Ground) -> list[tuple[list[int], Array]]:
+    """Joints of each leg, and how far its foot stays: 1 on the floor, 0 high up, (frames, 1)."""
+    joints, legs = [link.joint for link in character.links], []
+    for side in ("left", "right"):
+        leg = [f"{side}_{name}" for name in LEG]
+        paths = sole_paths(clip, character, side=side)
+        if set(leg) <= set(joints) and paths.shape[1]:
+            height = (paths[..., 2] - ground.height(paths)).min(axis=1)
+            high = np.clip((height - NEAR) / (HIGH - NEAR), 0.0, 1.0)
+            stays = 1.0 - high * high * (3.0 - 2.0 * high)
+            legs.append(([joints.index(name) for name in leg], stays[:, None]))
+    return legs
+
+
+def _moved(clip: Clip, shift: Array, legs: list[tuple[list[int], Array]]) -> Clip:
+    """The clip with its pelvis shifted [m] and feet on the floor where they were."""
     moved = replace(clip, root_positions=clip.root_positions + shift)
     local = np.array(clip.rotations)
-    for leg in legs:
-        moved_end(moved, leg, -shift, local, LATERAL)
+    for leg, stays in legs:
+        moved_end(moved, leg, -stays * shift, local, LATERAL)
     return replace(moved, rotations=rot.continuous(local))
