@@ -59,7 +59,6 @@ def test_nothing_holds_the_body_and_it_walks(take: Take) -> None:
 def test_no_joint_is_stronger_than_a_person(take: Take) -> None:
     model, part = take.model, take.scene.parts[0]
     servos = list(part.joint_actuators)
-    assert model.actuator_forcelimited[servos].all()
     data_of = us.score(take).torque_peaks_nm
     for servo, name in zip(servos, list(data_of), strict=True):
         limit = model.actuator_forcerange[servo].max()

@@ -21,7 +21,6 @@ from understudy.scene import Scene
 
 # Which axes of which joints are turned: a trunk and hips about all, a knee about its own, an ankle
 # about the foot's lateral and long axes.
-_SPARED = 0.999  # Part of a servo's torque limit that commands ask for at most.
 AXES = {"lower_back": "xyz", "hip": "xyz", "knee": "y", "ankle": "xy"}
 
 
@@ -86,7 +85,7 @@ class Guidance:
         }
 
     def configure(self, scene: Scene, model: mujoco.MjModel) -> None:
-        """Check that the body has what is guided.
+        """Check that the body has what is guided, and take over its servos' limits.
 
         Raises:
             InvalidValue: It has not, or the windows are no whole number of steps.
@@ -96,6 +95,7 @@ class Guidance:
             raise InvalidValue(
                 f"This guidance turns {self.offsets.shape[1]} axes; the body has {size}."
             )
+        limit_commands(scene, model, self.character)
         every = self.window / scene.timestep
         if abs(every - round(every)) > 1e-6 or round(every) < 1:
             raise InvalidValue(
@@ -166,14 +166,22 @@ def layout(scene: Scene, model: mujoco.MjModel, character: int) -> Array:
     )
 
 
+def limit_commands(scene: Scene, model: mujoco.MjModel, character: int) -> None:
+    """Leave the limits of a character's servos to the law: no command asks for more."""
+    for actuator in scene.parts[character].joint_actuators:
+        model.actuator_forcelimited[actuator] = False
+
+
 def _limited(scene: Scene, model: mujoco.MjModel, character: int) -> Array:
     """A row for every joint whose servo has a limit; see `guidance_law`."""
     part = scene.parts[character]
+    # The discrete integrator takes the stiffness at the end of the step: damping more.
+    late = model.opt.integrator == mujoco.mjtIntegrator.mjINT_DISCRETE
     rows = []
     for j, actuator in enumerate(part.joint_actuators):
-        if model.actuator_forcelimited[actuator] and model.actuator_gainprm[actuator, 0] > 0.0:
+        k, most = model.actuator_gainprm[actuator, 0], model.actuator_forcerange[actuator].max()
+        if k > 0.0 and most > 0.0:
+            kd = -model.actuator_biasprm[actuator, 2] + late * scene.timestep * k
             first = part.qpos.start + 7 + 4 * j, part.dofs.start + 6 + 3 * j
-            gains = model.actuator_gainprm[actuator, 0], -model.actuator_biasprm[actuator, 2]
-            most = _SPARED * model.actuator_forcerange[actuator].max()
-            rows.append((part.joint_controls[j], *first, *gains, most))
+            rows.append((part.joint_controls[j], *first, k, kd, most))
     return np.array(rows, float).reshape(-1, guidance_law.LIMIT)

@@ -114,8 +114,8 @@ def steer(ctrl, p, offsets):  # type: ignore[no-untyped-def]
 def spare(state, ctrl, p):  # type: ignore[no-untyped-def]
     """Take back commands for which a servo would need more torque than it has.
 
-    The engine bounds a servo's torque itself, but then leaves out its damping; and whether it does
-    is a matter of the last digit there. So no command asks for as much.
+    The engine could bound a servo's torque itself, but leaves out the damping of one at its limit,
+    and now and then, by the last digit, does not. Here the damping stays, and with it long steps.
     """
     for joint in range(int(p[LIMITED])):
         at = limits(p) + LIMIT * joint

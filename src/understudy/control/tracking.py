@@ -213,6 +213,9 @@ class Tracking:
     def controls(self, scene: Scene, model: mujoco.MjModel, times: Array) -> Controls:
         """Commanded orientations and root path for every step."""
         part = scene.parts[self.character]
+        if model.opt.integrator == mujoco.mjtIntegrator.mjINT_DISCRETE:
+            # Its servos act with the angle at the end of the step.
+            times = times + scene.timestep
         reference = sampled(self.reference, times, interpolation=self.interpolation)
         ctrl = np.zeros((len(times), model.nu))
         k, kd = self._gains(scene, model)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from understudy.control import Guidance, Tracking
-from understudy.control.guidance import axes, layout
+from understudy.control.guidance import axes, layout, limit_commands
 from understudy.control.guidance_law import DEVIATION
 from understudy.errors import InvalidValue
 from understudy.free_tracking.dynamics import Dynamics
@@ -104,6 +104,7 @@ class Search:
         self.character = character
         self._tracking = _tracking(performance, character)
         self.model, data = prepared(performance)
+        limit_commands(performance.scene, self.model, character)
         self._layout = layout(performance.scene, self.model, character)
         part = Stretch(first=0, last=performance.steps) if stretch is None else stretch
         self.course = self._course(part, States.of(data) if part.start is None else part.start)
