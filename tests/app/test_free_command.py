@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import understudy as us
 from understudy.app import freeing
 from understudy.app.main import main
+from understudy.control import Push
 from understudy.errors import UnderstudyError
+from understudy.evaluate import following
 from understudy.performance import tracked
 from understudy.simulate import simulate
 
@@ -38,6 +42,17 @@ def test_the_same_command_goes_on_from_its_search(freely, short, capsys):
     assert (freely / "wave_sim.bvh").read_bytes() == before
     head, _, line = capsys.readouterr().out.splitlines()[:3]
     assert "s free" in head and line.split()[-1] == "0"
+
+
+def test_the_take_file_performs_again_bit_for_bit_and_can_be_pushed(freely):
+    take = us.load_take(freely / "wave.take.npz")
+    performance = take.performance
+    assert performance is not None
+    assert np.array_equal(us.simulate(performance).qpos, take.qpos)
+    push = Push(time=0.1, on="pelvis", impulse=(0.0, 5.0, 0.0))
+    pushed = us.simulate(replace(performance, controllers=(*performance.controllers, push)))
+    assert not np.array_equal(pushed.qpos, take.qpos)
+    assert following(pushed).lost_s is None
 
 
 def test_a_search_of_another_clip_is_not_gone_on_with(freely, tmp_path, capsys):
