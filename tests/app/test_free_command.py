@@ -116,3 +116,13 @@ def test_when_no_seed_comes_to_the_end_the_first_reason_is_told(short, tmp_path,
     with pytest.raises(UnderstudyError, match="seed 0 fell"):
         freeing.freed(us.read(short), None, {}, seeds=2, folder=tmp_path / "a", name="w")  # type: ignore
     assert not (tmp_path / "a").exists()
+
+
+def test_an_interrupt_says_that_the_search_goes_on(short, tmp_path, monkeypatch, capsys):
+    def stopped(*_, checkpoint, **__):
+        checkpoint.write_bytes(b"so far")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(us, "track", stopped)
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(tmp_path)]) == 130
+    assert "the same command goes on with it" in capsys.readouterr().err

@@ -8,6 +8,7 @@ import textwrap
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
+from glob import escape
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -117,7 +118,11 @@ def run(options: Options) -> Outcome:
         done = [rows[index] for index in sorted(rows)]
         status_ = getattr(stop, "status", Interrupted().status)
         kept = "finished files are kept"
-        if options.pelvis == "free":
+        if any(
+            path.is_file()
+            for job in jobs
+            for path in job.folder.glob(f"{escape(job.name)}.*.search")
+        ):
             kept += ", and the search as far as it came: the same command goes on with it"
         raise Interrupted(result=result(done), status=status_, kept=kept) from stop
     ordered = [rows[index] for index in range(len(jobs))]
