@@ -77,6 +77,16 @@ def test_a_path_is_read_from_a_file(tmp_path):
     assert not course.closed
 
 
+def test_on_a_path_speed_and_distance_are_the_paths(tmp_path, capsys):
+    file = tmp_path / "path.txt"
+    file.write_text("0 0\n0 50\n")
+    words = ["athlete", "running", "--path", str(file), "--seconds", "2", "--out", str(tmp_path)]
+    assert main([*words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["mean_speed_m_s"] == pytest.approx(3.5, rel=0.05)
+    assert found["off_path_most_m"] < 0.3 and found["heading_rms_deg"] is None
+
+
 def test_speeds_and_headings_over_time_share_one_table():
     options = athlete.Options(behavior="running", speed="0:2.5,4:5", heading="0:0,2:90")
     course = athlete._course(options)

@@ -53,6 +53,14 @@ def test_the_lane_beside_is_so_far_to_the_right():
     assert np.linalg.norm(lane.path, axis=1) == pytest.approx(11.0, abs=0.02)
 
 
+def test_how_far_away_a_place_is():
+    square = Course.along([[0, 0], [4, 0], [4, 4], [0, 4]], 3.5, closed=True)
+    places = [[2.0, 0.5], [5.0, 5.0], [-0.25, 2.0]]
+    assert square.away(places) == pytest.approx([0.5, np.sqrt(2.0), 0.25])
+    with pytest.raises(InvalidValue, match="no path"):
+        Course.steady(3.5).away(places)
+
+
 def test_a_lane_that_would_fold_on_itself_is_refused():
     angle = np.linspace(0.0, 2.0 * np.pi, 100, endpoint=False)
     circle = 2.0 * np.column_stack((np.cos(angle), np.sin(angle)))

@@ -87,7 +87,6 @@ def test_the_drawn_path_is_one_line_with_bends_both_ways():
     assert (steps > 0).all()
     way = np.unwrap(np.arctan2(*np.diff(path, axis=0).T[::-1]))
     assert way.max() == pytest.approx(np.pi, abs=0.05) and way[-1] == pytest.approx(0.0, abs=0.05)
-    assert paths._away(path[:5] + np.array([0.0, 0.25]), path)[0] == pytest.approx(0.25)
 
 
 def test_changed_gains_hold_at_every_speed():

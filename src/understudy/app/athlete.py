@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -17,6 +18,8 @@ from understudy.errors import InvalidValue, UnderstudyError
 if TYPE_CHECKING:
     from understudy.athletics.course import Course
     from understudy.character import Athlete
+    from understudy.evaluate.gait import Gait
+    from understudy.evaluate.measure import Measured
     from understudy.motion.clip import Clip
     from understudy.performance import Performance
     from understudy.take import Take
@@ -89,6 +92,7 @@ class Options:
 def run(options: Options) -> Outcome:
     """Simulate, measure and write."""
     import understudy as us
+    from understudy.evaluate.measure import measured
     from understudy.evaluate.running import MOST_BESIDE
     from understudy.performance import together
 
@@ -103,10 +107,11 @@ def run(options: Options) -> Outcome:
     if falls:
         performance = _until(performance, min(falls))
     take = us.simulate(performance, progress=True)
-    for k, one in enumerate(found):
-        one |= _beside_people(take, k) | _layered(take, k)
+    measures = measured(take)
+    for k, (one, runner) in enumerate(zip(found, alone, strict=True)):
+        one |= _on_path(take, k, runner) | _beside_people(measures, k) | _layered(take, k)
     with staged(options.out, options.name) as (folder, files):
-        _write(options, take, found, captured, folder)
+        _write(options, take, found, measures, captured, folder)
     result = found[0] if len(found) == 1 else {"runners": found}
     return Outcome(
         result=result | {"files": files}, text=_summary(found, files), status=1 if falls else 0
@@ -117,6 +122,7 @@ def _write(
     options: Options,
     take: Take,
     found: list[dict[str, Any]],
+    measures: Measured,
     captured: list[Clip],
     folder: Path,
 ) -> None:
@@ -130,7 +136,7 @@ def _write(
         own = f"{stem}_{chr(ord('a') + k)}" if several else f"{stem}"
         us.write(take, f"{own}.bvh", f"{own}.glb", character=k)
         if one["hip_curve_correlation"] is not None:
-            gait = _gait(take, k)
+            gait = _gait(measures, k)
             write_running(gait, f"{own}_gait.html", beside=captured)
             write_running(gait, f"{own}_gait.json", beside=captured)
     endings = [".take.npz", *[".png"] * options.stills, *[".mp4"] * options.video]
@@ -192,18 +198,36 @@ def _judged(options: Options, performance: Performance) -> dict[str, Any]:
     return _figures(options, body.removeprefix("athlete_"), report(seen))
 
 
-def _gait(take: Take, character: int) -> Any:
+def _on_path(take: Take, character: int, alone: Performance) -> dict[str, Any]:
+    """Of a runner on a path: speed along it and distance from it; the judge knows headings only."""
+    (running, *_) = alone.controllers
+    course: Course = running.course  # type: ignore[union-attr]
+    if not len(course.path):
+        return {}
+    first = take.scene.parts[character].qpos.start
+    places = take.qpos[:: take.stride(4.0), first : first + 2]
+    length = sum(math.hypot(*step) for step in (places[1:] - places[:-1]).tolist())
+    return {
+        "mean_speed_m_s": length * take.rate / (take.stride(4.0) * max(len(places) - 1, 1)),
+        "heading_rms_deg": None,
+        "trunk_lean_deg": None,
+        "off_path_most_m": float(course.away(places).max()),
+    }
+
+
+def _gait(measures: Measured, character: int) -> Gait:
     from understudy.evaluate.gait import gait_of
 
-    return gait_of(take, character=character, start=min(_SETTLED, take.duration / 3.0))
+    start = min(_SETTLED, float(measures.times[-1]) / 3.0)
+    return gait_of(measures, character=character, start=start)
 
 
-def _beside_people(take: Take, character: int) -> dict[str, Any]:
+def _beside_people(measures: Measured, character: int) -> dict[str, Any]:
     """How like people's its hip and knee curves are; None where no whole cycle was run."""
     from understudy.evaluate.running import likeness
 
     try:
-        curves = likeness(_gait(take, character)).curves
+        curves = likeness(_gait(measures, character)).curves
     except InvalidValue:
         return {"hip_curve_correlation": None, "knee_curve_correlation": None}
     return {f"{name}_curve_correlation": curves[name].correlation for name in ("hip", "knee")}
@@ -280,8 +304,6 @@ def _until(performance: Performance, time: float) -> Performance:
 
 def _figures(options: Options, character: str, seen: dict[str, float]) -> dict[str, Any]:
     """What was measured, by name with its unit."""
-    import math
-
     step = seen["mean_period"]
     degrees = {
         "knee_at_touchdown_deg": seen["mean_landing_knee"],

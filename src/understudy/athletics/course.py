@@ -223,6 +223,26 @@ class Course:
             )
         return replace(self, path=path)
 
+    def away(self, places: ArrayLike) -> Array:
+        """How far places are from the path [m], shape (n,).
+
+        Args:
+            places: World x and y [m], shape (n, 2).
+
+        Raises:
+            InvalidValue: There is no path.
+        """
+        if not len(self.path):
+            raise InvalidValue("This course has no path to be away from.")
+        path = np.vstack((self.path, self.path[:1])) if self.closed else self.path
+        first, along = path[:-1], np.diff(path, axis=0)
+        out = []
+        for place in np.asarray(places, float):
+            share = np.einsum("ki,ki->k", place - first, along) / np.sum(along**2, axis=1)
+            near = first + np.clip(share, 0.0, 1.0)[:, None] * along
+            out.append(float(np.linalg.norm(place - near, axis=1).min()))
+        return np.array(out)
+
     @property
     def start(self) -> tuple[Array, float, float]:
         """Where it begins [m], shape (2,), with what heading [rad] and speed [m/s]."""

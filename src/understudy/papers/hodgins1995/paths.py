@@ -37,9 +37,11 @@ def following(*, quick: bool = False) -> Finding:
     """A man along the path."""
     path = drawn_path()
     whole = 6.0 if quick else 30.0
-    take = simulate(running(athlete_man(), Course.along(path, SPEED), duration=whole))
+    course = Course.along(path, SPEED)
+    take = simulate(running(athlete_man(), course, duration=whole))
     center = take.clip(rate=100.0)
-    places, away = center.root_positions[:, :2], _away(center.root_positions[:, :2], path)
+    places = center.root_positions[:, :2]
+    away = course.away(places)
     stays = bool(take.qpos[:, 2].min() > 0.6)
     lean = _leans(take, path)
     turning = np.degrees(np.arctan(SPEED**2 / (9.81 * _RADIUS)))
@@ -85,15 +87,6 @@ def following(*, quick: bool = False) -> Finding:
             ),
         ),
     )
-
-
-def _away(places: Array, path: Array) -> Array:
-    """Distance of every place from a path [m]."""
-    a, b = path[:-1], path[1:]
-    along = b - a
-    share = np.einsum("kli,li->kl", places[:, None] - a, along) / np.sum(along**2, axis=1)
-    near = a + np.clip(share, 0.0, 1.0)[..., None] * along
-    return np.linalg.norm(places[:, None] - near, axis=2).min(axis=1)
 
 
 def _leans(take: Take, path: Array) -> dict[str, float]:
