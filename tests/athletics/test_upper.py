@@ -15,6 +15,7 @@ from understudy.athletics.upper import UpperBody
 from understudy.character import athlete_man
 from understudy.control import EngineState
 from understudy.errors import InvalidValue
+from understudy.evaluate import certificate
 from understudy.evaluate.layered import layered
 from understudy.performance import running, together
 from understudy.simulate import prepared, simulate
@@ -35,6 +36,8 @@ def test_a_runner_shows_a_gesture_and_runs_on():
     assert found.arms_reach_deg < 1.0
     assert set(found.joints_deg) > {"upper_back", "left_elbow", "right_wrist"}
     assert take.facts["upper"] == "gesture"
+    (who,) = certificate(take)["characters"]
+    assert who["upper_body"] == found.as_dict()
 
 
 def test_the_legs_are_the_controllers_until_the_clip_begins():

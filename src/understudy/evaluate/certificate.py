@@ -8,9 +8,11 @@ from dataclasses import asdict
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
+from understudy.errors import InvalidValue
 from understudy.evaluate.events import ContactEvent, contact_events
 from understudy.evaluate.feet import footfalls, without_footfalls
 from understudy.evaluate.following import following
+from understudy.evaluate.layered import layered
 from understudy.evaluate.measure import Measured, measured
 from understudy.evaluate.outcomes import outcomes
 from understudy.evaluate.pushes import push_events, pushed
@@ -85,10 +87,19 @@ def certificate(
                 "following": None
                 if take.references[k] is None
                 else following(take, character=k, measures=m).as_dict(),
+                "upper_body": _upper_body(take, k),
             }
             for k, s in enumerate(scores)
         ],
     }
+
+
+def _upper_body(take: Take, character: int) -> dict[str, Any] | None:
+    """How a runner follows the clip laid on its upper body; None without one."""
+    try:
+        return layered(take, character=character).as_dict()
+    except InvalidValue:
+        return None
 
 
 def scored(take: Take, *, measures: Measured | None = None) -> tuple[Score, ...]:
