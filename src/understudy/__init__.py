@@ -38,7 +38,7 @@ _HOMES = {
     "driven": "performance",
     "fetch": "motion.fetch",
     "load_take": "output",
-    "perform": "simulate",
+    "perform": "free_tracking",
     "read": "motion.read",
     "retargeted": "character.retarget",
     "sample": "motion.samples",

@@ -32,6 +32,11 @@ PAPER_GRAVITY = 9.81
 # Steps per second at which the modern drive runs, or the next multiple of the clip's rate.
 DRIVE_RATE = 240.0
 
+# Physics of a free body: soft servos and an integrator that takes their stiffness implicitly stand
+# long steps, and a search costs as much as it has steps.
+FREE_STEP = 1.0 / 120.0
+FREE: dict[str, Any] = {"integrator": "discrete", "servos": "soft", "torque_limits": "human"}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Performance:

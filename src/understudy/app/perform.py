@@ -230,9 +230,10 @@ def performed(job: Job) -> Row:
     """
     import understudy as us
     from understudy.evaluate import certificate
+    from understudy.free_tracking import guided
 
     started = time.monotonic()
-    take = us.simulate(made(job.edit), progress=True)
+    take = us.simulate(guided(made(job.edit), progress=True), progress=True)
     found = certificate(take)
     with staged(job.folder, job.name, keep=job.keep) as (folder, files):
         write_all(take, folder, job)

@@ -13,14 +13,14 @@ import numpy as np
 from understudy.character import Character
 from understudy.control import Disturbance, GiveWay, Push, Task, Throw, Tracking
 from understudy.control.task import check_overlaps
-from understudy.edit.edit import Edit
+from understudy.edit.edit import Edit, Performer
 from understudy.edit.lines import Place
 from understudy.edit.motions import motion_of
 from understudy.errors import UnderstudyError, UnknownName
 from understudy.motion.clip import Clip
 from understudy.motion.reaching import meeting, reaching
-from understudy.performance import Performance, together, tracked
-from understudy.scene import Scene
+from understudy.performance import FREE, FREE_STEP, Performance, together, tracked
+from understudy.scene import Scene, timestep_for
 
 NARROW = 0.2
 """Two characters whose roots begin nearer to each other than this stand in each other [m]."""
@@ -111,10 +111,14 @@ def _check_hit(edit: Edit, hit: bool) -> None:
 def _alone(edit: Edit) -> list[Performance]:
     """Every character tracking its motion by itself, with nothing else to do."""
     found: list[Performance] = []
+    free = [_nothing_holds(said) for said in edit.character]
     for k, said in enumerate(edit.character):
         motion, body = motion_of(edit, k)
         pelvis = said.pelvis or next((t.pelvis for t in said.task if t.pelvis), None)
         step = found[0].scene.timestep if found else edit.timestep
+        if step is None and any(free):
+            step = timestep_for(motion.rate, near=FREE_STEP)
+        physics = FREE if free[k] else {"integrator": FREE["integrator"]} if any(free) else {}
         with edit.source.blaming(("character", k)):
             found.append(
                 tracked(
@@ -125,10 +129,15 @@ def _alone(edit: Edit) -> list[Performance]:
                     timestep=step,
                     self_collision=edit.self_collision,
                     seed=edit.seed,
-                    **said.settings,
+                    **{**said.settings, **physics},
                 )
             )
     return found
+
+
+def _nothing_holds(said: Performer) -> bool:
+    """Whether a character is free, and no task balances it."""
+    return said.pelvis == "free" and not any(task.pelvis == "free" for task in said.task)
 
 
 def _tracking(performance: Performance) -> Tracking:

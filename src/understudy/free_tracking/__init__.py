@@ -4,9 +4,9 @@ In: a clip and a character, or a performance with a free pelvis. Out: the perfor
 `Guidance`, found by sampling and fitted linear-quadratic regulators, and its take.
 """
 
-from understudy.free_tracking.free import freed, track
+from understudy.free_tracking.free import freed, guided, perform, track
 from understudy.free_tracking.passes import Effort
 from understudy.free_tracking.relay import Relay
 from understudy.free_tracking.search import Pass, Search
 
-__all__ = ["Effort", "Pass", "Relay", "Search", "freed", "track"]
+__all__ = ["Effort", "Pass", "Relay", "Search", "freed", "guided", "perform", "track"]

@@ -8,27 +8,25 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
-from typing import Any
+from typing import Any, cast
 
 from tqdm import tqdm
 
 from understudy.character import Character
-from understudy.control import Compiled, PythonController
+from understudy.control import Compiled, Guidance, PythonController
+from understudy.edit import read_edit
 from understudy.errors import InvalidValue, UnderstudyError
+from understudy.free_tracking.alone import by_itself, unheld
 from understudy.free_tracking.checkpoint import restore, save
 from understudy.free_tracking.passes import Effort
 from understudy.free_tracking.relay import Relay
 from understudy.motion.clip import Clip
-from understudy.performance import Performance, tracked
+from understudy.performance import FREE, Performance, tracked
+from understudy.performance import FREE_STEP as STEP
 from understudy.scene import timestep_for
 from understudy.simulate import simulate
 from understudy.simulate import track as tracked_take
 from understudy.take import Take
-
-# Physics of a free body: soft servos and an integrator that takes their stiffness implicitly stand
-# long steps, and a search costs as much as it has steps.
-STEP = 1.0 / 120.0
-FREE: dict[str, Any] = {"integrator": "discrete", "servos": "soft", "torque_limits": "human"}
 
 
 def track(
@@ -76,7 +74,7 @@ def track(
     made = {"timestep": timestep_for(clip.rate, near=STEP), **FREE, **settings}
     performance = tracked(clip, character, pelvis="free", seed=seed, **made)
     started = clock.process_time()
-    found = freed(
+    found = guided(
         performance,
         budget=budget,
         effort=effort,
@@ -88,6 +86,46 @@ def track(
     take = simulate(found, progress=progress)
     take.facts["search_cpu_seconds"] = spent
     return take
+
+
+def perform(path: str | PathLike[str], *, progress: bool = False, **search: Any) -> Take:
+    """Run what an edit file describes; a free pelvis is given a guidance first.
+
+    Args:
+        path: A TOML file; docs/edit_file.md has the format.
+        progress: Show progress bars on standard error.
+        search: See `freed`.
+
+    Raises:
+        EditError: The file cannot be read or performed; names the line.
+        Diverged: The simulation blew up; carries the take up to then.
+        UnderstudyError: No pass of a search came to the end.
+    """
+    performance = guided(read_edit(path).performance(), progress=progress, **search)
+    return simulate(performance, progress=progress)
+
+
+def guided(performance: Performance, **search: Any) -> Performance:
+    """The performance with a guidance for every body that nothing holds up.
+
+    Bodies whose pelvis is held, that balance by a task, or that have a guidance stay as they are;
+    so does a performance without free bodies.
+
+    Args:
+        performance: Any.
+        search: Keywords of `freed`; a checkpoint only where one body is free.
+
+    Raises:
+        UnderstudyError: No pass of a search came to the end.
+    """
+    controllers, duration = list(performance.controllers), performance.duration
+    for tracking in unheld(performance):
+        alone = freed(by_itself(performance, tracking), **search)
+        guidance = cast(Guidance, alone.controllers[-1])
+        place = next(k for k, one in enumerate(controllers) if one is tracking) + 1
+        controllers.insert(place, replace(guidance, character=tracking.character))
+        duration = min(duration, alone.duration)
+    return replace(performance, controllers=tuple(controllers), duration=duration)
 
 
 def freed(

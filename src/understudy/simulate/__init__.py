@@ -18,7 +18,6 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
-from os import PathLike
 from typing import Any
 
 import mujoco
@@ -179,22 +178,6 @@ def track(clip: Clip, character: Character, *, progress: bool = False, **setting
         Diverged: The simulation blew up; carries the take up to then.
     """
     return simulate(tracked(clip, character, **settings), progress=progress)
-
-
-def perform(path: str | PathLike[str], *, progress: bool = False) -> Take:
-    """Run what an edit file describes: `simulate(read_edit(path).performance())`.
-
-    Args:
-        path: A TOML file; docs/edit_file.md has the format.
-        progress: Show a progress bar on standard error.
-
-    Raises:
-        EditError: The file cannot be read or performed; names the line.
-        Diverged: The simulation blew up; carries the take up to then.
-    """
-    from understudy.edit import read_edit
-
-    return simulate(read_edit(path).performance(), progress=progress)
 
 
 def simulate_many(
