@@ -84,6 +84,7 @@ def test_summaries_count_each_half_and_leave_out_what_failed() -> None:
     rows = {(row[0], row[1]): dict(zip(SUMMARY_HEAD, row, strict=True)) for row in summaries(RUNS)}
     whole = rows["all", "all"]
     assert (whole["runs"], whole["free"]) == (3, 2)
+    assert whole["free, close %"] == pytest.approx(200.0 / 3.0)
     assert whole["global mm"] == 10.0 and whole["CPU-s/s"] == 2.0
     assert whole["help of the others % BW"] == 9.0
     assert whole["slide <= clip's %"] == 100.0
@@ -107,6 +108,12 @@ def test_a_clip_searched_in_vain_counts_as_not_free() -> None:
 def test_the_flight_of_a_tracked_clip_needs_no_take() -> None:
     clip = us.sample("gesture").trimmed(1.0, 1.3)
     assert flight(us.tracked(clip, us.Character.from_clip(clip))) == 0.0
+
+
+def test_a_free_body_far_off_is_not_close() -> None:
+    assert WALK.close
+    assert not replace(WALK, peak_mm=151.0).close
+    assert not replace(WALK, free=False).close
 
 
 def test_survival_adds_up_over_runs() -> None:

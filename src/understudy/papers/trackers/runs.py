@@ -30,6 +30,9 @@ FLIES = 0.07
 """A clip that falls freely for so long is dynamic [s]."""
 SUCCESS_MM = 500.0
 """Published trackers count a clip as followed when its joints are on average never so far off."""
+CLOSE_MM = 150.0
+"""A free body whose joints are on average never so far off also looks as the clip does [mm]; one
+beyond that may be about to topple when the clip ends."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,6 +114,11 @@ class Run:
         """Followed by the rule of published trackers, and with no help."""
         held = self.help_percent is None or self.help_percent >= HELD
         return not held and self.peak_mm is not None and self.peak_mm < SUCCESS_MM
+
+    @property
+    def close(self) -> bool:
+        """Free, and close to the clip all the time."""
+        return self.free and self.peak_mm is not None and self.peak_mm < CLOSE_MM
 
     @property
     def name(self) -> str:
@@ -245,6 +253,7 @@ SUMMARY_HEAD = (
     "runs",
     "free",
     "free %",
+    "free, close %",
     "help of the others % BW",
     "global mm",
     "root-relative mm",
@@ -278,6 +287,7 @@ def _summary(runs: Sequence[Run]) -> tuple[int | float | None, ...]:
         len(runs),
         len(free),
         100.0 * len(free) / len(runs),
+        100.0 * sum(r.close for r in runs) / len(runs),
         middle(r.help_percent for r in runs if not r.free),
         middle(r.global_mm for r in free),
         middle(r.relative_mm for r in free),
