@@ -240,6 +240,9 @@ def test_a_free_body_gets_columns_of_its_own(out):
     assert head.split("  ")[0] == "clip" and "s free" in head and "hands mm" not in head
     assert " 0.42 " in line and " 7." in line
     assert "s free 0.42" in track.summary(loose)
+    saved["characters"][0]["following"] |= {"whole": False, "clip_s": 9.5}
+    short = track.text([performing.Row(clip="wave.bvh", name="wave", certificate=saved)])
+    assert " of 9.50 " in short and track.CUT_SHORT in short
 
 
 def test_a_number_stays_on_the_line_of_its_percent_sign():

@@ -94,6 +94,13 @@ def test_flight_is_the_time_of_free_fall_but_for_the_fitting_window() -> None:
     assert flight_time(np.ones_like(path), 120.0) == 0.0
 
 
+def test_a_take_that_ends_before_its_clip_is_not_whole() -> None:
+    assert following(held(gravity=0.0)).whole
+    short = following(held(gravity=0.0, seconds=0.3, clip=still(chain(2), seconds=0.5)))
+    assert short.free and not short.whole
+    assert short.free_s == pytest.approx(0.3) and short.clip_s == pytest.approx(0.5)
+
+
 def test_without_a_clip_there_is_nothing_to_follow() -> None:
     take = replace(held(), references=(None,))
     with pytest.raises(InvalidValue, match="no reference clip"):

@@ -75,10 +75,11 @@ def freed(
 
 
 def badness(take: Take) -> tuple[float, float]:
-    """What takes of one clip are ranked by: help, 0 when free, much more when lost; then error."""
+    """What takes of one clip are ranked by: help, 0 when free, more when it ends early; error."""
     from understudy.evaluate import following
 
     found = following(take)
-    if found.free:
+    if found.free and found.whole:
         return 0.0, found.joint_position_mm
-    return found.help_percent + (1e3 if found.lost_s is not None else 1e-9), found.joint_position_mm
+    early = found.lost_s is not None or not found.whole
+    return found.help_percent + (1e3 if early else 1e-9), found.joint_position_mm

@@ -37,6 +37,7 @@ FREELY = """\
 s free: time without any outside force before the body was lost. CoM, global: distance of the center
 of mass (root mean square) and of the joints (mean) from the prepared clip's, in the world."""
 
+CUT_SHORT = "It ends before the clip does: from there on no help that was tried was enough."
 _SPENT = ("cpu_seconds", "search_cpu_seconds")
 _DIED = "its process died, perhaps for lack of memory; trim the clip or lower --jobs."
 
@@ -287,6 +288,14 @@ def free(rows: Sequence[Row]) -> bool:
     return bool(done) and all(one["pelvis"] == "free" and one["following"] for one in done)
 
 
+def early(row: Row) -> bool:
+    """Whether a clip was performed, but not to its end."""
+    if row.error:
+        return False
+    followed = row.certificate["characters"][0]["following"]
+    return bool(followed) and not followed["whole"]
+
+
 def figures(row: Row, head: Sequence[str] = HEAD) -> tuple[str, ...]:
     """The row's cells after its name."""
     if row.error:
@@ -305,7 +314,8 @@ def cells(row: Row) -> dict[str, str]:
 
     held = f"{one['root_force_mean_percent']:.0f} / {one['root_force_peak_percent']:.0f}"
     return {
-        "seconds": number(whole["duration_s"], ".2f"),
+        "seconds": number(whole["duration_s"], ".2f")
+        + (f" of {followed['clip_s']:.2f}" if early(row) else ""),
         "s free": number(followed.get("free_s"), ".2f"),
         "joints deg rms": number(one["joint_error_deg"], ".2f"),
         "hands mm": number(one["hands_mm"], ".1f"),
@@ -331,6 +341,7 @@ def text(rows: Sequence[Row]) -> str:
     parts += ["", *([FREELY] if free(rows) else []), HELP_FROM_ABOVE]
     if len(rows) == 1:
         parts += ["", *folded(done[0].certificate["statement"])]
+        parts += [CUT_SHORT] if early(done[0]) else []
         foreseen = done[0].certificate["feasibility"]
         parts += folded(f"Missing {foreseen['statement']}") if foreseen else []
         parts += [line for note in done[0].notes for line in folded(note, "  ")]

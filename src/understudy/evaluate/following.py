@@ -32,6 +32,8 @@ FALLING = (5.0, 15.0)
 """A center of mass that accelerates downward by so much is in flight [m/s^2]."""
 SHORTEST_FLIGHT = 0.07
 """Shorter stretches of such acceleration are no flights [s]."""
+_SHORT = 0.05
+"""A take that ends so much before its clip still is whole [s]."""
 _SMOOTHING = 0.1
 """Window in which the clip's acceleration is fitted [s]."""
 
@@ -42,6 +44,7 @@ class Following:
 
     Attributes:
         duration_s: Time compared [s].
+        clip_s: How long the clip is [s].
         lost_s: When the body was lost: its center of mass 0.2 m too high or low or 0.6 m away, or
             its root 45 degrees off [s]; None when it never was.
         free_s: Time before that with no outside force on the root [s].
@@ -58,6 +61,7 @@ class Following:
     """
 
     duration_s: float
+    clip_s: float
     lost_s: float | None
     free_s: float
     help_percent: float
@@ -75,9 +79,14 @@ class Following:
         """True when nothing but contact held the body and it was never lost."""
         return self.lost_s is None and self.free_s >= self.duration_s - 1e-9
 
+    @property
+    def whole(self) -> bool:
+        """True when the take goes on to the end of the clip."""
+        return self.duration_s >= self.clip_s - _SHORT
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values that JSON takes."""
-        return asdict(self) | {"free": self.free}
+        return asdict(self) | {"free": self.free, "whole": self.whole}
 
 
 def following(take: Take, *, character: int = 0, measures: Measured | None = None) -> Following:
@@ -108,6 +117,7 @@ def following(take: Take, *, character: int = 0, measures: Measured | None = Non
     lasted = float(found.times[-1] - found.times[0])
     return Following(
         duration_s=lasted,
+        clip_s=reference.duration,
         lost_s=float(found.times[last]) if lost.any() else None,
         free_s=lasted * float(alone[:last].sum()) / len(lost),
         help_percent=float(np.sqrt(np.mean(np.square(force)))),

@@ -43,9 +43,9 @@ class Run:
         label: The clip's path in its folder.
         number: Its place in the sorted list of the folder's clips.
         seed: Seed of the search.
-        seconds: How much of it was tracked [s].
+        seconds: How much of it was to be tracked [s].
         score_percent: Force that the clip's poses leave unexplained [% of body weight].
-        free: Nothing held it, and it was never lost.
+        free: Nothing held it, and it was never lost before the clip's end.
         help_percent: Root mean square outside force on the root [% of body weight].
         free_s: Time without help before it was lost [s].
         lost_s: When it was lost [s].
@@ -165,9 +165,9 @@ def run_of(
         label=label,
         number=number,
         seed=take.seed,
-        seconds=f.duration_s,
+        seconds=f.clip_s,
         score_percent=missing(take.performance),
-        free=f.free,
+        free=f.free and f.whole,
         help_percent=f.help_percent,
         free_s=f.free_s,
         lost_s=f.lost_s,
