@@ -34,6 +34,7 @@ def test_several_run_in_lanes_each_with_files_of_its_own(tmp_path, capsys):
     assert main([*words, "--out", str(tmp_path), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert [one["character"] for one in found["runners"]] == ["man", "woman"]
+    assert [one["height_m"] for one in found["runners"]] == pytest.approx([1.75, 0.98 * 1.65])
     clips = [us.read(tmp_path / f"running_{letter}.bvh") for letter in "ab"]
     apart = clips[0].root_positions[0] - clips[1].root_positions[0]
     assert apart[:2] == pytest.approx([0.0, 1.22], abs=0.05)

@@ -70,6 +70,13 @@ def test_nobody_falls_in_ten_seconds(speed):
     assert 2.4 < 1.0 / seen["mean_period"] < 3.7
 
 
+@pytest.mark.parametrize(("height", "mass"), [(1.60, 70.0), (1.95, 100.0)])
+def test_bodies_of_other_sizes_run(height, mass):
+    take = simulate(running(athlete_man(height=height, mass=mass), duration=3.0))
+    lowest = take.qpos[:, 2].min() / athlete_man(height=height).links[0].offset[2]
+    assert lowest > 0.85 and take.qpos[-1, 0] > 9.0
+
+
 def test_a_mirrored_start_gives_a_mirrored_run():
     body = athlete_man()
     start = Schedule(gains=shipped().gains, slopes=shipped().slopes)  # a made-up flight

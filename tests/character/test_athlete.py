@@ -95,3 +95,10 @@ def test_two_share_a_scene():
     first, second = scene.parts
     assert first.qpos.stop == second.qpos.start == 37
     assert second.joint_controls == tuple(range(30, 60))
+
+
+def test_an_athlete_of_another_height_weighs_in_proportion():
+    tall = athlete("man", height=1.925)
+    assert tall.mass == pytest.approx(70.0 * 1.1**3)
+    assert athlete("woman", mass=50.0).mass == pytest.approx(50.0)
+    assert athlete("woman", mass=50.0).height == pytest.approx(1.65)

@@ -34,6 +34,8 @@ EXAMPLE = """\
 
 # Runners side by side are this far apart, as lanes of a track are [m]; there are as many of those.
 _LANE, _LANES = 1.22, 8
+# Heights of several runners over the usual one.
+_HEIGHTS = (1.0, 0.98, 1.02, 0.96, 1.03, 0.99, 0.97, 1.01)
 # A gait is measured from then on [s], or from a third of a shorter run.
 _SETTLED = 2.0
 
@@ -53,7 +55,10 @@ class Options:
         heading: Facing direction in degrees, left positive; or TIME:DEGREES,...
         path: File of points to run along, a line of X Y in meters each; or track-400m.
         character: man, woman, or of several runners mixed: a man, a woman and so on.
-        runners: How many, in lanes 1.22 m apart, each to the right of the one before.
+        height: Stature in meters, by default the man's 1.75 or the woman's 1.65.
+        mass: In kg, by default 70 or 58, and of another height in proportion.
+        runners: How many, in lanes 1.22 m apart, each to the right of the one before. They differ
+            in height by a few percent, so that they do not run in step.
         push: TIME:FORWARD,LEFT in N s at the chest of the first, in the world; may be given again.
         upper: Clip whose waist, neck and arms the runners show; a run's go with the stride.
         beside: Motion to show beside the run, such as a captured one; may be given up to 3 times.
@@ -72,6 +77,8 @@ class Options:
     heading: Annotated[str, arg(metavar="DEG")] = "0"
     path: Annotated[str | None, arg(metavar="FILE", help_behavior_hint="(default: none)")] = None
     character: Literal["man", "woman", "mixed"] = "man"
+    height: Annotated[float | None, arg(metavar="M", help_behavior_hint="(default: usual)")] = None
+    mass: Annotated[float | None, arg(metavar="KG", help_behavior_hint="(default: usual)")] = None
     runners: Annotated[int, arg(metavar="N")] = 1
     push: Annotated[
         tuple[str, ...], arg(metavar="T:X,Y", help_behavior_hint="(default: none)")
@@ -158,7 +165,6 @@ def _layered(take: Take, character: int) -> dict[str, Any]:
 
 def _performances(options: Options) -> list[Performance]:
     """Each runner alone."""
-    from understudy.character import athlete
     from understudy.control import Push
     from understudy.performance import running
     from understudy.scene import Ground
@@ -166,8 +172,6 @@ def _performances(options: Options) -> list[Performance]:
     if not 1 <= options.runners <= _LANES:
         raise InvalidValue(f"--runners is {options.runners}; it must be 1 to {_LANES}.")
     upper = None if options.upper is None else clip_from(options.upper, Reading())
-    kinds = ("man", "woman") if options.character == "mixed" else (options.character,)
-    bodies: list[Athlete] = [athlete(kinds[k % len(kinds)]) for k in range(options.runners)]
     pushes = []
     for word in options.push:
         time, forward, left = _numbers("--push", word, "TIME:FORWARD,LEFT", 3)
@@ -183,8 +187,21 @@ def _performances(options: Options) -> list[Performance]:
             upper=upper,
             disturbances=pushes if k == 0 else (),
         )
-        for k, body in enumerate(bodies)
+        for k, body in enumerate(_bodies(options))
     ]
+
+
+def _bodies(options: Options) -> list[Athlete]:
+    """Who runs."""
+    from understudy.character import athlete
+
+    kinds = ("man", "woman") if options.character == "mixed" else (options.character,)
+    out = []
+    for k in range(options.runners):
+        kind = kinds[k % len(kinds)]
+        tall = athlete(kind).height if options.height is None else options.height
+        out.append(athlete(kind, height=tall * _HEIGHTS[k], mass=options.mass))
+    return out
 
 
 def _judged(options: Options, performance: Performance) -> dict[str, Any]:
@@ -194,8 +211,7 @@ def _judged(options: Options, performance: Performance) -> dict[str, Any]:
 
     (running, *_) = performance.controllers
     seen, _ = judged(performance, Judge(running=running))  # type: ignore[arg-type]
-    body = performance.scene.characters[0].name
-    return _figures(options, body.removeprefix("athlete_"), report(seen))
+    return _figures(options, performance.scene.characters[0], report(seen))
 
 
 def _on_path(take: Take, character: int, alone: Performance) -> dict[str, Any]:
@@ -302,7 +318,7 @@ def _until(performance: Performance, time: float) -> Performance:
     return replace(performance, duration=max(time, performance.scene.timestep))
 
 
-def _figures(options: Options, character: str, seen: dict[str, float]) -> dict[str, Any]:
+def _figures(options: Options, body: Any, seen: dict[str, float]) -> dict[str, Any]:
     """What was measured, by name with its unit."""
     step = seen["mean_period"]
     degrees = {
@@ -314,7 +330,9 @@ def _figures(options: Options, character: str, seen: dict[str, float]) -> dict[s
     }
     return {
         "behavior": options.behavior,
-        "character": character,
+        "character": body.name.removeprefix("athlete_"),
+        "height_m": body.height,
+        "mass_kg": body.mass,
         "fell_at_s": seen["time"] if seen["fell"] else None,
         "mean_speed_m_s": seen["mean_speed"],
         "stance_s": seen["mean_stance"],

@@ -19,7 +19,7 @@ import numpy as np
 from understudy.athletics import running_law as law
 from understudy.athletics.course import COURSE_MEMORY, Course
 from understudy.athletics.gains import NAMES, Gains, Schedule, shipped
-from understudy.character import Athlete
+from understudy.character import Athlete, athlete
 from understudy.control.machine import SINCE
 from understudy.errors import InvalidValue
 from understudy.motion import rotations as rot
@@ -120,6 +120,9 @@ class Running:
         near = min(starts, key=lambda s: abs(float(s["speed"]) - speed))
         arrays = (np.array(near[name], float) for name in ("qpos", "qvel", "memory"))
         qpos, qvel, memory = arrays
+        # Stored by the body of usual height; another's pelvis is higher or lower by its legs.
+        usual = athlete(body.name.removeprefix("athlete_")).links[0].offset[2]
+        qpos[2] += body.links[0].offset[2] - usual
         # A run a little faster or slower than the stored one is the same but for its speed.
         qvel[0] += speed - float(near["speed"])
         return qpos, qvel, memory

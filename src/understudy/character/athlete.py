@@ -347,15 +347,23 @@ def athlete_woman(*, height: float = 1.65, mass: float = 58.0) -> Athlete:
     return _athlete(adult_woman(plan="full16", height=height, mass=mass), "athlete_woman")
 
 
-ATHLETES: dict[str, Callable[[], Athlete]] = {"man": athlete_man, "woman": athlete_woman}
+ATHLETES: dict[str, Callable[..., Athlete]] = {"man": athlete_man, "woman": athlete_woman}
 
 
-def athlete(name: str) -> Athlete:
+def athlete(name: str, *, height: float | None = None, mass: float | None = None) -> Athlete:
     """A ready-made athlete by name: "man" or "woman".
+
+    Args:
+        name: Which.
+        height: [m]; by default 1.75 and 1.65.
+        mass: [kg]; by default that of the usual body, times the cube of the height over its own.
 
     Raises:
         UnknownName: No such athlete.
     """
     if name not in ATHLETES:
         raise UnknownName("athlete", name, ATHLETES)
-    return ATHLETES[name]()
+    usual = ATHLETES[name]()
+    tall = usual.height if height is None else height
+    heavy = usual.mass * (tall / usual.height) ** 3 if mass is None else mass
+    return usual if height is None and mass is None else ATHLETES[name](height=tall, mass=heavy)
