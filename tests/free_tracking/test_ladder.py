@@ -7,13 +7,14 @@ import numpy as np
 from understudy.free_tracking.ladder import MARGIN, Ladder
 
 
-def test_three_passes_take_all_help_away() -> None:
+def test_four_passes_take_all_help_away_and_one_polishes() -> None:
     ladder = Ladder.whole(20, 100)
     scales = []
     while not ladder.done:
         scales.append(ladder.scales[0])
         ladder = ladder.after(20)
-    assert scales == [1.0, 0.3, 0.0]
+    assert scales == [1.0, 0.3, 0.1, 0.0, 0.0]
+    assert ladder.free
     assert ladder.children == 100
 
 
@@ -25,11 +26,12 @@ def test_before_a_fall_windows_go_down_and_at_it_they_are_tried_again() -> None:
 
 
 def test_a_fall_without_help_goes_half_way_back_there_alone() -> None:
-    ladder = Ladder.whole(40, 100).after(40).after(40).after(20)
-    assert (ladder.scales[20 - MARGIN : 21] == 0.15).all()
+    ladder = Ladder.whole(40, 100).after(40).after(40).after(40).after(20)
+    assert (ladder.scales[20 - MARGIN : 21] == 0.05).all()
     assert not ladder.scales[21:].any() and not ladder.scales[: 20 - MARGIN].any()
-    assert not ladder.after(40).done
-    assert ladder.after(40).after(40).done
+    assert not ladder.after(40).free
+    assert ladder.after(40).after(40).free
+    assert ladder.after(40).after(40).after(10).done
 
 
 def test_children_grow_to_twice_at_most() -> None:

@@ -88,13 +88,13 @@ class Scripted:
         self.commands = (np.zeros(1), np.zeros(1))
         self.borders = list(range(stretch.first, stretch.last + 1, EVERY))
         Scripted.tried.append((stretch.first // EVERY, stretch.last // EVERY))
-        self.ladder = SimpleNamespace(done=False)
+        self.ladder = SimpleNamespace(free=False)
         self.best: Guidance | None = None
         self.states: States | None = None
 
     def passes(self, told: Any) -> Iterator[None]:
         windows, newtons = len(self.borders) - 1, Scripted.script.pop(0)
-        self.ladder.done = newtons == 0.0
+        self.ladder.free = newtons == 0.0
         if newtons is not None:
             help_ = np.zeros((windows, HELP))
             help_[:, 2] = newtons

@@ -17,6 +17,10 @@ from understudy.free_tracking.goal import PARTS
 from understudy.motion.rotations import Array
 
 
+# What is off at the end goes on to cost: a body that falls is as many times as dear.
+_END = 5.0
+
+
 class Dynamics(NamedTuple):
     """x' = A z + B a + c of one window."""
 
@@ -26,7 +30,7 @@ class Dynamics(NamedTuple):
 
     @classmethod
     def fitted(
-        cls, z: Array, a: Array, held: Array, x: Array, known: Array, ridge: float
+        cls, z: Array, a: Array, held: Array, x: Array, known: Dynamics, ridge: float
     ) -> Dynamics:
         """By ridge regression toward what is known.
 
@@ -35,28 +39,33 @@ class Dynamics(NamedTuple):
             a: Their offsets, shape (n, axes).
             held: Their help, shape (n, 6); what it does is fitted too, and left out.
             x: Deviations at the end, shape (n, DEVIATION).
-            known: A before any sample, shape (DEVIATION, DEVIATION + axes).
+            known: What is known before, from an earlier pass or by `prior`.
             ridge: Weight of the prior, per sample.
         """
-        inputs, change = np.concatenate((z, a, held), axis=1), x - z @ known.T
+        inputs = np.concatenate((z, a, held), axis=1)
+        change = x - z @ known.state.T - a @ known.offsets.T
         middle, mean = inputs.mean(axis=0), change.mean(axis=0)
         inputs = inputs - middle
         gram = inputs.T @ inputs
         gram[np.diag_indices_from(gram)] += ridge * len(inputs)
         slope = np.linalg.solve(gram, inputs.T @ (change - mean)).T
         width, size = z.shape[1], a.shape[1]
-        return cls(known + slope[:, :width], slope[:, width : width + size], mean - slope @ middle)
+        return cls(
+            known.state + slope[:, :width],
+            known.offsets + slope[:, width : width + size],
+            mean - slope @ middle,
+        )
 
 
-def prior(axes: int, window: float, scales: Array) -> Array:
-    """A before any sample: places follow velocities; momentum, turning and feet half persist."""
+def prior(axes: int, window: float, scales: Array) -> Dynamics:
+    """Before any sample: places follow velocities; momentum, turning and feet half persist."""
     out = np.zeros((DEVIATION, DEVIATION + axes))
     keep = np.repeat([1.0, 1.0, 0.5, 1.0, 0.5, 0.5], PARTS)
     out[:, :DEVIATION] = np.diag(keep)
     for place, velocity in ((0, 3), (9, 12)):
         for k in range(3):
             out[place + k, velocity + k] = window * scales[velocity + k] / scales[place + k]
-    return out
+    return Dynamics(out, np.zeros((DEVIATION, axes)), np.zeros(DEVIATION))
 
 
 def regulator(
@@ -80,11 +89,11 @@ def regulator(
     stage[:DEVIATION, :DEVIATION] = cost
     last = slice(DEVIATION, DEVIATION + size)
     gains: list[Array | None] = []
-    values = [stage]
+    values = [_END * stage]
     for one in reversed(dynamics):
         if one is None:
             gains.append(None)
-            values.append(stage)
+            values.append(_END * stage)
             continue
         onward, into = np.zeros((wide, wide)), np.zeros((wide, size))
         onward[:DEVIATION, :-1], onward[:DEVIATION, -1] = one.state, one.rest

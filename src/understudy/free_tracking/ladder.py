@@ -1,7 +1,8 @@
-"""Down the ladder of help, every window by itself: whole, a third, none; up again where it failed.
+"""Down the ladder of help, every window by itself, to none; up again where it failed.
 
 A window that was passed goes a step down. Where a pass fell, the windows shortly before go half way
-back to what worked, or are tried again where nothing did.
+back to what worked, or are tried again where nothing did. After a pass without help a last one
+polishes it.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import numpy as np
 
 from understudy.motion.rotations import Array
 
-_THIRD = 0.3
+_RUNGS = (1.0, 0.3, 0.1, 0.0)
 _NEAR = 0.05  # Closer than this to what worked, what worked is tried again.
 _MORE, _MOST = 1.3, 2.0  # More children after a fall, at most so many times.
 # A fall has its cause in so many windows before it: what was learned there is no good.
@@ -29,7 +30,8 @@ class Ladder:
         scales: Help of every window in the next pass: 1 is whole, 0 none.
         worked: The last help with which a window was passed; infinite if it never was.
         tried: Passes so far.
-        done: Whether a pass without any help came to the end.
+        free: Whether a pass without any help came to the end.
+        done: Whether there is no more to try.
     """
 
     children: int
@@ -37,6 +39,7 @@ class Ladder:
     scales: Array
     worked: Array
     tried: int = 0
+    free: bool = False
     done: bool = False
 
     @classmethod
@@ -48,13 +51,15 @@ class Ladder:
     def after(self, reached: int) -> Ladder:
         """The ladder after a pass that came to the end of so many windows."""
         windows = len(self.scales)
-        done = reached == windows
-        good = windows if done else max(0, reached - MARGIN)
+        through = reached == windows
+        if self.free:
+            return replace(self, tried=self.tried + 1, done=True)
+        good = windows if through else max(0, reached - MARGIN)
         scales, worked = self.scales.copy(), self.worked.copy()
         worked[:good] = scales[:good]
-        scales[:good] = np.where(scales[:good] > _THIRD, _THIRD, 0.0)
+        scales[:good] = [max(s for s in _RUNGS if s < own or s == 0.0) for own in scales[:good]]
         children = self.usual
-        if not done:
+        if not through:
             bad = slice(good, min(reached + 1, windows))
             known = np.where(np.isfinite(worked[bad]), worked[bad], 1.0)
             near = known - scales[bad] < _NEAR
@@ -66,5 +71,5 @@ class Ladder:
             scales=scales,
             worked=worked,
             tried=self.tried + 1,
-            done=done and not self.scales.any(),
+            free=through and not self.scales.any(),
         )

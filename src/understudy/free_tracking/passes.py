@@ -44,7 +44,7 @@ class Effort:
     elites: int = 60
     spread: float = 0.04
     reach: float = 0.2
-    ridge: float = 0.006
+    ridge: float = 0.03
     passes: int = 7
     most: float = 0.5
 
@@ -212,7 +212,8 @@ class OnePass:
         born = born._replace(total=total + self._rank(w, born))
         if fine.sum() * _ENOUGH >= self._course.effort.children:
             given = crowd.known[parents][fine], offsets[fine], held[fine] / _CHANCE, off[fine]
-            self.dynamics[w] = Dynamics.fitted(*given, self._prior, course.effort.ridge)
+            known = self.dynamics[w] or self._prior
+            self.dynamics[w] = Dynamics.fitted(*given, known, course.effort.ridge)
         order = np.argsort(np.where(fine, born.total, np.inf), kind="stable")
         return born.chosen(order[: min(course.effort.elites, int(fine.sum()))])
 

@@ -164,7 +164,7 @@ class Relay:
     def _hand_over(self) -> bool:
         """Finish the piece at work, or try it again; whether there is anything left to do."""
         own, end = self._found(), self._end
-        if not self.search.ladder.done and self.done is not None and self._failed is None:
+        if not self.search.ladder.free and self.done is not None and self._failed is None:
             back = min(self._back, len(self.done.states.qpos) - 1, self.reached - 1)
             self._failed = self.done, own
             self.begin(self.done.until(self.reached - back), end)

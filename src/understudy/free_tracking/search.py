@@ -191,13 +191,14 @@ class Search:
         return Pass(ladder.tried, scale, when, done, cost)
 
     def _keep(self, goal: Goal, one: OnePass) -> float:
-        """Make the best run of a pass the guidance if it needs the least help; returns its cost."""
+        """Make the best run of a pass the guidance if none needs less help; returns its cost."""
         line = one.line()
         cost = float(np.mean([crowd.cost[k] for crowd, k in line[1:]]))
         held = np.array([crowd.held[k] for crowd, k in line[1:]])
         weight = goal.mass * abs(self.performance.scene.gravity)
         help_ = 100.0 * float(np.linalg.norm(held[:, :3], axis=1).mean()) / weight
-        if self.best is not None and self.best.found["help_percent"] < help_:
+        known = {} if self.best is None else self.best.found
+        if known and (known["help_percent"], known["cost"]) < (help_, cost):
             return cost
         rows = [crowd.states.chosen([k]) for crowd, k in line]
         self.states = States(*(np.concatenate(each) for each in zip(*rows, strict=True)))
