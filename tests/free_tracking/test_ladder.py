@@ -18,6 +18,15 @@ def test_four_passes_take_all_help_away_and_one_polishes() -> None:
     assert ladder.children == 100
 
 
+def test_a_pass_near_its_goal_spares_a_rung_and_the_polish() -> None:
+    ladder = Ladder.whole(20, 100)
+    scales = []
+    while not ladder.done:
+        scales.append(ladder.scales[0])
+        ladder = ladder.after(20, cost=1.0)
+    assert scales == [1.0, 0.3, 0.0]
+
+
 def test_before_a_fall_windows_go_down_and_at_it_they_are_tried_again() -> None:
     ladder = Ladder.whole(40, 100).after(30)
     assert (ladder.scales[: 30 - MARGIN] == 0.3).all()

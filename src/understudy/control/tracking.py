@@ -20,6 +20,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from understudy.character.athlete import IN_MOTION
 from understudy.control import gains
 from understudy.control.controller import Controls
 from understudy.control.feedforward import Rehearsal, Required, required
@@ -66,7 +67,8 @@ class Tracking:
         root_frequency: Natural frequencies of the root servo [rad/s], along the ground, upward and
             in rotation; by default by `pelvis`.
         torque_limits: "off", or "human": no joint's servo exceeds the published strength of a
-            person of this sex, mass and height.
+            person of this sex, mass and height; with soft servos that of one in motion, whose legs
+            are stronger than on a dynamometer (`character.athlete.IN_MOTION`).
         interpolation: "spline" or "slerp" between frames.
         strengths: Joint names and factors: such a joint gives this many times the torque its servo
             would (gains, feedforward and torque limit alike). 0 is limp: no servo, a little passive
@@ -191,6 +193,8 @@ class Tracking:
                 # The engine bounds the length of the torque vector: the strongest axis' limit.
                 model.actuator_forcelimited[actuator] = True
                 limit = strength * float(np.max(link.torque_limit))
+                if self.servos == "soft":
+                    limit *= IN_MOTION.get((link.role or "").partition("_")[2], 1.0)
                 model.actuator_forcerange[actuator] = 0.0, limit
         if self.servos == "soft":
             first, last = part.dofs.start + 6, part.dofs.stop

@@ -16,7 +16,6 @@ from understudy.control.guidance_law import DEVIATION
 from understudy.free_tracking.goal import PARTS
 from understudy.motion.rotations import Array
 
-
 # What is off at the end goes on to cost: a body that falls is as many times as dear.
 _END = 5.0
 

@@ -2,7 +2,7 @@
 
 A window that was passed goes a step down. Where a pass fell, the windows shortly before go half way
 back to what worked, or are tried again where nothing did. After a pass without help a last one
-polishes it.
+polishes it. A pass that stayed near its goal spares the last rung, and the polish.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from understudy.motion.rotations import Array
 
 _RUNGS = (1.0, 0.3, 0.1, 0.0)
+_EASY = 2.5  # Mean cost of a pass that stayed near its goal.
 _NEAR = 0.05  # Closer than this to what worked, what worked is tried again.
 _MORE, _MOST = 1.3, 2.0  # More children after a fall, at most so many times.
 # A fall has its cause in so many windows before it: what was learned there is no good.
@@ -48,16 +49,23 @@ class Ladder:
         never = np.full(windows, np.inf)
         return cls(children=children, usual=children, scales=np.ones(windows), worked=never)
 
-    def after(self, reached: int) -> Ladder:
-        """The ladder after a pass that came to the end of so many windows."""
+    def after(self, reached: int, cost: float = np.inf) -> Ladder:
+        """The ladder after a pass.
+
+        Args:
+            reached: Windows to whose end it came.
+            cost: Mean cost of its best run's deviations.
+        """
         windows = len(self.scales)
         through = reached == windows
+        free = through and not self.scales.any()
         if self.free:
             return replace(self, tried=self.tried + 1, done=True)
         good = windows if through else max(0, reached - MARGIN)
         scales, worked = self.scales.copy(), self.worked.copy()
         worked[:good] = scales[:good]
-        scales[:good] = [max(s for s in _RUNGS if s < own or s == 0.0) for own in scales[:good]]
+        rungs = _RUNGS[:2] + _RUNGS[3:] if cost < _EASY else _RUNGS
+        scales[:good] = [max(s for s in rungs if s < own or s == 0.0) for own in scales[:good]]
         children = self.usual
         if not through:
             bad = slice(good, min(reached + 1, windows))
@@ -71,5 +79,6 @@ class Ladder:
             scales=scales,
             worked=worked,
             tried=self.tried + 1,
-            free=through and not self.scales.any(),
+            free=free,
+            done=free and cost < _EASY,
         )

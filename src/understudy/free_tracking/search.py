@@ -184,7 +184,7 @@ class Search:
         good = self.windows if done else max(0, reached - MARGIN)
         self.dynamics = one.dynamics[:good] + self.dynamics[good:]
         cost = self._keep(goal, one) if done else np.inf
-        self.ladder = ladder.after(reached)
+        self.ladder = ladder.after(reached, cost)
         when = self.borders[reached] * self.performance.scene.timestep
         self.farthest = max(self.farthest, when)
         scale = float(ladder.scales[: max(1, reached)].mean())
