@@ -43,6 +43,13 @@ def test_a_fall_without_help_goes_half_way_back_there_alone() -> None:
     assert ladder.after(40).after(40).after(10).done
 
 
+def test_help_comes_back_where_a_fall_began() -> None:
+    ladder = Ladder.whole(40, 100).after(40).after(30, strayed=20)
+    assert (ladder.scales[: 20 - MARGIN] == 0.1).all()
+    assert (ladder.scales[20 - MARGIN : 31] == 0.65).all()
+    assert (ladder.scales[31:] == 0.3).all()
+
+
 def test_children_grow_to_twice_at_most() -> None:
     ladder = Ladder.whole(40, 100)
     for _ in range(6):

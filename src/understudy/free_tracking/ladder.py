@@ -17,7 +17,7 @@ _RUNGS = (1.0, 0.3, 0.1, 0.0)
 _EASY = 2.5  # Mean cost of a pass that stayed near its goal.
 _NEAR = 0.05  # Closer than this to what worked, what worked is tried again.
 _MORE, _MOST = 1.3, 2.0  # More children after a fall, at most so many times.
-# A fall has its cause in so many windows before it: what was learned there is no good.
+# A fall has its cause in so many windows before it began: what was learned there is no good.
 MARGIN = 8
 
 
@@ -49,11 +49,12 @@ class Ladder:
         never = np.full(windows, np.inf)
         return cls(children=children, usual=children, scales=np.ones(windows), worked=never)
 
-    def after(self, reached: int, cost: float = np.inf) -> Ladder:
+    def after(self, reached: int, *, strayed: int | None = None, cost: float = np.inf) -> Ladder:
         """The ladder after a pass.
 
         Args:
             reached: Windows to whose end it came.
+            strayed: Where it began to fall; by default there.
             cost: Mean cost of its best run's deviations.
         """
         windows = len(self.scales)
@@ -61,7 +62,8 @@ class Ladder:
         free = through and not self.scales.any()
         if self.free:
             return replace(self, tried=self.tried + 1, done=True)
-        good = windows if through else max(0, reached - MARGIN)
+        fell = reached if strayed is None else strayed
+        good = windows if through else max(0, fell - MARGIN)
         scales, worked = self.scales.copy(), self.worked.copy()
         worked[:good] = scales[:good]
         rungs = _RUNGS[:2] + _RUNGS[3:] if cost < _EASY else _RUNGS

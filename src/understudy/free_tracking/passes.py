@@ -16,7 +16,8 @@ from understudy.free_tracking.windows import States, Windows
 from understudy.motion import rotations as rot
 from understudy.motion.rotations import Array
 
-_FALL, _END = 2000.0, 320.0  # Least costs of the best state of a fall, and of an end far off.
+# Least costs of the best state of a fall, of an end far off, and of straying from the goal.
+_FALL, _END, _STRAY = 500.0, 320.0, 20.0
 _LOST = 20000.0  # A child this far off teaches nothing.
 _CHANCE = np.repeat([100.0, 25.0], 3)  # Standard deviation of the help's chance [N, N m].
 _KEEP, _INHERIT = 0.6, 0.3  # Parts of the offsets before, and of the parent's cost, that remain.
@@ -161,6 +162,14 @@ class OnePass:
         borders = len(self.crowds) - 1
         ends_badly = borders == self._course.windows and self.crowds[-1].cost.min() > _END
         return borders - 1 if ends_badly else borders
+
+    @property
+    def strayed(self) -> int:
+        """The window in which it began to stray from where it did not find back."""
+        last = self.reached
+        while last > 0 and self.crowds[last].cost.min() > _STRAY:
+            last -= 1
+        return last
 
     def run(self, told: Callable[[int], None]) -> None:
         """Go on until the end or a fall; `told` hears the number of windows done."""

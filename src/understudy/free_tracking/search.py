@@ -181,10 +181,11 @@ class Search:
         """Take over what a pass found, and its best run if it came to the end."""
         reached, ladder = one.reached, self.ladder
         done = reached == self.windows
-        good = self.windows if done else max(0, reached - MARGIN)
+        strayed = one.strayed
+        good = self.windows if done else max(0, strayed - MARGIN)
         self.dynamics = one.dynamics[:good] + self.dynamics[good:]
         cost = self._keep(goal, one) if done else np.inf
-        self.ladder = ladder.after(reached, cost)
+        self.ladder = ladder.after(reached, strayed=strayed, cost=cost)
         when = self.borders[reached] * self.performance.scene.timestep
         self.farthest = max(self.farthest, when)
         scale = float(ladder.scales[: max(1, reached)].mean())
