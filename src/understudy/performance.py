@@ -26,6 +26,7 @@ from understudy.control.task import check_overlaps
 from understudy.errors import InvalidValue, UnknownName, expect, shown
 from understudy.motion.clip import Clip
 from understudy.scene import Contacts, Ground, Prop, Scene, timestep_for
+from understudy.scene.survey import surveyed
 
 # Wilke & Semwal 2017 drop 9.81 units per second squared on figures about 24 units tall.
 PAPER_GRAVITY = 9.81
@@ -119,7 +120,8 @@ def tracked(
             happens to the body (`Push`, `Throw`).
         props: Things in the scene: a drum, a staff in a hand.
         contacts: What touches besides the ground; see `Scene`.
-        ground: The floor; by default level ground for a body with feet, none without.
+        ground: The floor; by default read off the clip for a body with feet (see `surveyed`; level
+            unless the feet say otherwise), none without.
         timestep: Physics step [s]; by default the one nearest 2 ms that divides the frame period.
         integrator: See `Scene`.
         self_collision: See `Scene`.
@@ -135,15 +137,20 @@ def tracked(
         )
     _check_names(tracked, Tracking, settings)
     clean = clip.repaired()
-    floor = None if ground is None or ground.level else ground
-    reference = standing(retargeted(clean, character), character, ground=floor)
-    reference = planted(reference, character, ground=floor)
+    reference = retargeted(clean, character)
+    feet = any((link.role or "").endswith("_ankle") for link in character.links)
+    floor = own = None
+    if ground is None and feet:
+        ground, note = surveyed(reference, character)
+        reference = reference.noted(note) if note else reference
+        own = None if ground.level else ground
+    elif ground is not None and not ground.level:
+        floor = ground
+    reference = standing(reference, character, ground=floor, own=own)
+    reference = planted(reference, character, ground=own or floor)
     doubts = [note for note in size_doubts(character.height) if note in character.notes]
     if doubts:
         reference = reference.noted(*doubts)
-    feet = any((link.role or "").endswith("_ankle") for link in character.links)
-    if ground is None and feet:
-        ground = Ground()
     if ground is not None:
         reference = supported(reference, character, ground)
     fitted: list[Task | Disturbance] = []

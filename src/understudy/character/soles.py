@@ -78,6 +78,7 @@ def standing(
     *,
     shifts: Array | None = None,
     ground: Floor | None = None,
+    own: Floor | None = None,
 ) -> Clip:
     """The clip lowered or raised, slowly over time, so that its resting soles touch the floor.
 
@@ -86,12 +87,14 @@ def standing(
         character: A body with contact shapes at its feet; without any the clip is unchanged.
         shifts: Change of each sole point along its link's z [m], for a fit in progress.
         ground: The floor; None is z = 0. On a slope the feet are tilted with it.
+        own: The floor instead, where it is the one that the clip was captured on: only its height
+            is off, and the feet are tilted already.
     """
     if not sole_points(character):
         return clip
     if ground is not None:
         clip = _tilted(clip, character, ground)
-    heights, slow = _sole_motion(clip, character, shifts, ground)
+    heights, slow = _sole_motion(clip, character, shifts, own if ground is None else ground)
     base = _base(heights, slow)
     near, smooth, part = base, 0.15, 0.2
     if ground is not None:

@@ -6,7 +6,7 @@ In: `Character` values and things with `attach(spec)`. Out: a `Scene` with its `
 from understudy.scene.ball import Ball
 from understudy.scene.box import Box
 from understudy.scene.drum import Drum
-from understudy.scene.ground import Ground, Steps
+from understudy.scene.ground import Block, Ground, Steps
 from understudy.scene.props import Prop
 from understudy.scene.scene import Part, Scene, timestep_for
 from understudy.scene.staff import Staff
@@ -15,6 +15,7 @@ from understudy.scene.touching import Contacts
 
 __all__ = [
     "Ball",
+    "Block",
     "Box",
     "Contacts",
     "Drum",

@@ -70,8 +70,45 @@ class Steps:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Block:
+    """A fixed box on the floor, to step, stand, sit or lean on.
+
+    Attributes:
+        position: Its middle [m], world: x, y.
+        height: Of its top over z = 0 [m].
+        length: Along its heading [m].
+        width: Across [m].
+        heading: Direction of its length, from +x toward +y [rad].
+    """
+
+    position: tuple[float, float]
+    height: float
+    length: float = 0.4
+    width: float = 0.8
+    heading: float = 0.0
+
+    def __post_init__(self) -> None:
+        what = "block"
+        position = props.vector(self.position, "position", 2, "m", what=what)
+        object.__setattr__(self, "position", position)
+        props.number(self.height, "height", 0.005, 10.0, "m", what=what)
+        props.number(self.length, "length", 0.02, 100.0, "m", what=what)
+        props.number(self.width, "width", 0.02, 100.0, "m", what=what)
+        props.number(self.heading, "heading", -100.0, 100.0, "rad", what=what)
+
+    def rises(self, points: ArrayLike) -> Array:
+        """Height of the top under points (..., 2) [m]; 0 beside it."""
+        away = np.asarray(points, float) - np.array(self.position)
+        cos, sin = np.cos(self.heading), np.sin(self.heading)
+        along = away[..., 0] * cos + away[..., 1] * sin
+        across = away[..., 1] * cos - away[..., 0] * sin
+        on = (np.abs(along) <= 0.5 * self.length) & (np.abs(across) <= 0.5 * self.width)
+        return np.where(on, self.height, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Ground:
-    """A plane through the origin, level unless it slopes, with or without steps.
+    """A plane through the origin, level unless it slopes, with or without steps and blocks.
 
     Attributes:
         friction: Coulomb coefficient between sole and ground.
@@ -80,6 +117,7 @@ class Ground:
         slope: Angle of the plane over the horizontal [rad].
         heading: Direction in which the slope goes up, from +x toward +y [rad].
         steps: Steps on it, or None; their foot is as high as the plane at their position.
+        blocks: Things to step on, each of its own height.
     """
 
     friction: float = 1.0
@@ -87,8 +125,12 @@ class Ground:
     slope: float = 0.0
     heading: float = 0.0
     steps: Steps | None = None
+    blocks: tuple[Block, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "blocks", tuple(self.blocks))
+        for block in self.blocks:
+            expect(block, Block, "block", "a Block")
         if not (np.isfinite(self.friction) and self.friction >= 0):
             raise InvalidValue(f"friction is {self.friction}; it must be zero or positive.")
         if not 0.001 <= self.stiffness_time <= 0.5:
@@ -103,7 +145,7 @@ class Ground:
     @property
     def level(self) -> bool:
         """Whether it is the plane z = 0 and nothing else."""
-        return self.slope == 0.0 and self.steps is None
+        return self.slope == 0.0 and self.steps is None and not self.blocks
 
     @property
     def normal(self) -> Array:
@@ -114,12 +156,15 @@ class Ground:
     def height(self, points: ArrayLike) -> Array:
         """Height of the ground under world points x, y (..., 2 or more) [m], shape (...)."""
         places = np.asarray(points, float)[..., :2]
-        plane = self._plane(places)
-        if self.steps is None:
-            return plane
-        rises = self.steps.rises(places)
-        top = self._plane(np.array(self.steps.position)) + rises
-        return np.where(rises > 0.0, np.maximum(plane, top), plane)
+        height = self._plane(places)
+        if self.steps is not None:
+            rises = self.steps.rises(places)
+            top = self._plane(np.array(self.steps.position)) + rises
+            height = np.where(rises > 0.0, np.maximum(height, top), height)
+        for block in self.blocks:
+            rises = block.rises(places)
+            height = np.where(rises > 0.0, np.maximum(height, rises), height)
+        return height
 
     def normals(self, points: ArrayLike) -> Array:
         """Unit normals of the ground under world points x, y (..., 2 or more), shape (..., 3)."""
@@ -144,6 +189,13 @@ class Ground:
             plane.quat = props.upright(tuple(self.normal))
         if self.steps is not None:
             self._add_steps(spec, self.steps)
+        for k, block in enumerate(self.blocks):
+            base = float(self._plane(np.array(block.position)))
+            bottom = min(0.0, base) - 0.5 * abs(np.tan(self.slope)) * (block.length + block.width)
+            size = (block.length, block.width, block.height - bottom)
+            self._add_box(
+                spec, f"ground/block{k + 1}", block.position, block.height, size, block.heading
+            )
 
     def _plane(self, places: Array) -> Array:
         along = places[..., 0] * np.cos(self.heading) + places[..., 1] * np.sin(self.heading)
@@ -163,16 +215,30 @@ class Ground:
             middle = np.array(steps.position) + 0.5 * (start + end) * uphill
             top = base + (k + 1) * steps.rise
             bottom = base - depth
-            spec.worldbody.add_geom(
-                name=f"ground/step{k + 1}",
-                type=mujoco.mjtGeom.mjGEOM_BOX,
-                size=[0.5 * (end - start), 0.5 * steps.width, 0.5 * (top - bottom)],
-                pos=[middle[0], middle[1], 0.5 * (top + bottom)],
-                quat=props.turned(steps.heading),
-                friction=[self.friction, 0.005, 0.0001],
-                solref=[self.stiffness_time, 1.0],
-                priority=1,
-                contype=1,
-                conaffinity=1,
-                rgba=_STEP_COLOR,
-            )
+            size = (end - start, steps.width, top - bottom)
+            place = (float(middle[0]), float(middle[1]))
+            self._add_box(spec, f"ground/step{k + 1}", place, top, size, steps.heading)
+
+    def _add_box(
+        self,
+        spec: mujoco.MjSpec,
+        name: str,
+        place: tuple[float, float],
+        top: float,
+        size: tuple[float, float, float],
+        heading: float,
+    ) -> None:
+        """A fixed box of that size [m] whose top is so high [m]."""
+        spec.worldbody.add_geom(
+            name=name,
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[0.5 * side for side in size],
+            pos=[*place, top - 0.5 * size[2]],
+            quat=props.turned(heading),
+            friction=[self.friction, 0.005, 0.0001],
+            solref=[self.stiffness_time, 1.0],
+            priority=1,
+            contype=1,
+            conaffinity=1,
+            rgba=_STEP_COLOR,
+        )
