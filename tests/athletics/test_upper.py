@@ -34,7 +34,8 @@ def test_a_runner_shows_a_gesture_and_runs_on():
     assert not found.stride
     assert found.joint_error_deg < 2.0 and found.hands_mm < 40.0
     assert found.arms_reach_deg < 1.0
-    assert set(found.joints_deg) > {"upper_back", "left_elbow", "right_wrist"}
+    assert set(found.joints_deg) > {"neck", "left_elbow", "right_wrist"}
+    assert "upper_back" not in found.joints_deg
     assert take.facts["upper"] == "gesture"
     (who,) = certificate(take)["characters"]
     assert who["upper_body"] == found.as_dict()
@@ -120,6 +121,8 @@ def test_what_cannot_be_laid_on_is_refused():
         UpperBody(clip=gesture, stride=True)
     with pytest.raises(InvalidValue, match="lean"):
         UpperBody(clip=gesture, lean=1.5)
+    with pytest.raises(InvalidValue, match="turn"):
+        UpperBody(clip=gesture, turn=-0.1)
     with pytest.raises(InvalidValue, match="begin"):
         replace(UpperBody(clip=gesture), begin=-1.0)
 

@@ -6,8 +6,8 @@ A clip of somebody who runs is locked to the runner's stride: one cycle of it, f
 left thigh passes the right one to the next, is played as fast as the runner strides. Any other clip
 plays at its own speed once, or over and over. The law comes after the runner's and takes over its
 18 hinges of the upper body; balance stays with the legs. They carry a trunk that goes with the
-pelvis: so the waist's turn is the clip's, its forward lean a share of the clip's, and sideways it
-does not bend.
+pelvis and turns against the legs: so of the waist's lean and turn only a share is the clip's, and
+sideways it does not bend.
 """
 
 from __future__ import annotations
@@ -35,10 +35,11 @@ from understudy.scene import Scene
 # Parameters: where the body is, then the clip and how it is played, then gains, then its angles.
 # fmt: off
 (
-    U_QPOS, U_QVEL, U_CTRL, U_DT, U_SCALE, U_ROWS, U_RATE, U_BEGIN, U_END, U_STRIDE, U_LOOP
-) = range(11)
+    U_QPOS, U_QVEL, U_CTRL, U_DT, U_SCALE, U_ROWS, U_RATE, U_BEGIN, U_END, U_STRIDE, U_LOOP,
+    U_TURN
+) = range(12)
 # fmt: on
-U_GAINS = 11
+U_GAINS = 12
 U_TABLE = U_GAINS + 2 * UPPER
 # Memory: of a stride its share and length, when it began, and whether the left thigh is ahead.
 SHARE, PERIOD, SINCE, AHEAD = range(4)
@@ -55,6 +56,8 @@ BLEND = 0.4
 _STRIDE, _CLOSING = (0.4, 1.4), 3.0
 # A thigh has passed the other when it is so far ahead; in a walk or run they swing so far [rad].
 _PASSED, _SWING = 0.1, 0.35
+# The waist's hinge about z.
+_TURN = 2
 # Points of a cycle, and seconds over which a repeated clip's end becomes its beginning.
 _CYCLE, _SEAM = 120, 0.3
 
@@ -67,12 +70,13 @@ def layered(time, state, ctrl, applied, p, m):  # type: ignore[no-untyped-def]
     weight = weighed(time, p)
     if weight <= 0.0:
         return
-    row, share, speed = played(time, p, m)
+    row, between, speed = played(time, p, m)
     for k in range(UPPER):
-        angle, rate = desired(p, k, row, share, speed)
+        angle, rate = desired(p, k, row, between, speed)
         stiffness, damping = p[U_GAINS + 2 * k], p[U_GAINS + 2 * k + 1]
         torque = servo(stiffness, damping, angle, state.qpos[q + k], rate, state.qvel[v + k])
-        ctrl[c + k] += weight * (p[U_SCALE] * torque - ctrl[c + k])
+        share = weight * p[U_TURN] if k == _TURN else weight
+        ctrl[c + k] += share * (p[U_SCALE] * torque - ctrl[c + k])
 
 
 def strode(time, ahead, p, m):  # type: ignore[no-untyped-def]
@@ -124,8 +128,8 @@ class UpperBody:
         begin: When the clip begins [s].
         loop: Whether it is repeated; a clip of running always is.
         stride: Whether it is locked to the runner's stride; None: if its legs walk or run.
-        lean: Share of the waist's forward lean that the runner shows, 0 to 1. With all of it he
-            falls over a deep bow.
+        lean: Share of the waist's forward lean that the runner shows, 0 to 1.
+        turn: Share of the waist's turn that is the clip's, 0 to 1; the rest is the runner's own.
         character: Which of the scene's characters.
     """
 
@@ -134,14 +138,16 @@ class UpperBody:
     loop: bool = False
     stride: bool | None = None
     lean: float = 0.25
+    turn: float = 0.25
     character: int = 0
 
     def __post_init__(self) -> None:
         expect(self.clip, Clip, "upper", "a Clip, as `read` gives")
         if not 0.0 <= self.begin < np.inf:
             raise InvalidValue(f"begin is {self.begin} s; it must be zero or more.")
-        if not 0.0 <= self.lean <= 1.0:
-            raise InvalidValue(f"lean is {self.lean}; it must lie in 0 to 1.")
+        for name in ("lean", "turn"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InvalidValue(f"{name} is {getattr(self, name)}; it must lie in 0 to 1.")
         if self.stride and not self.strides:
             raise InvalidValue(
                 f"{self.clip.name}: no whole stride of somebody who walks or runs was found; leave "
@@ -181,7 +187,7 @@ class UpperBody:
     def table(self, athlete: Athlete) -> tuple[Array, float]:
         """Angles to play [rad], shape (rows, 18), and how many a second (of a stride 0)."""
         angles = upper_angles(self.clip, athlete)
-        angles[:, :3] *= (0.0, self.lean, 1.0)
+        angles[:, :2] *= (0.0, self.lean)
         if self.locked:
             return _cycle(angles, self.strides), 0.0
         return (_closed(angles, self.clip.rate) if self.loop else angles), self.clip.rate
@@ -226,7 +232,7 @@ class UpperBody:
         head[U_ROWS], head[U_RATE], head[U_BEGIN] = len(table), rate, self.begin
         ends = not (self.locked or self.loop)
         head[U_END] = self.begin + self.clip.duration if ends else 1e9
-        head[U_STRIDE], head[U_LOOP] = self.locked, self.loop
+        head[U_STRIDE], head[U_LOOP], head[U_TURN] = self.locked, self.loop, self.turn
         memory = np.zeros(MEMORY)
         memory[PERIOD], memory[SINCE] = 0.72, -1.0
         return np.concatenate((head, _SERVOS.ravel(), table.ravel())), memory

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from understudy.athletics import running_law as law
 from understudy.athletics.upper import UpperBody
 from understudy.character import Athlete
 from understudy.character.hinged import UPPER
@@ -25,13 +26,15 @@ _RATE = 100.0
 class Layered:
     """A clip's upper body against what the runner did, while all of it was shown.
 
+    The waist is left out: it is the runner's own for the most part.
+
     Attributes:
         clip: Name of the clip.
         stride: Whether it was locked to the runner's stride.
         seconds: How long it was shown [s].
-        joint_error_deg: Root mean square over the hinges of waist, neck and arms.
+        joint_error_deg: Root mean square over the hinges of neck and arms.
         joints_deg: The same by joint.
-        hands_mm: Mean distance of the wrists from where they should be, as seen from the pelvis.
+        hands_mm: Mean distance of the wrists from where they should be, as seen from the chest.
         arms_reach_deg: How far the body's hinges at best point arms and hands from the clip's, root
             mean square; an athlete's forearm does not turn about its length.
     """
@@ -69,8 +72,8 @@ def layered(take: Take, *, character: int = 0) -> Layered:
     state = np.array(take.qpos[whole][:, take.scene.parts[character].qpos])
     state[:, :7] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
     wanted = np.array(state)
-    wanted[:, 7 : 7 + UPPER] = angles[whole]
-    off = np.degrees(state - wanted)[:, 7 : 7 + UPPER]
+    wanted[:, 7 + law.NECK : 7 + UPPER] = angles[whole, law.NECK :]
+    off = np.degrees(state - wanted)[:, 7 + law.NECK : 7 + UPPER]
     hands = np.linalg.norm(_hands(body, state) - _hands(body, wanted), axis=2)
     return Layered(
         clip=layer.clip.name,
@@ -87,7 +90,9 @@ def _by_joint(body: Athlete, off: Array) -> dict[str, float]:
     out, first = {}, 0
     for link, hinges in zip(body.links, body.hinges, strict=True):
         if hinges and first < UPPER:
-            out[link.joint] = _rms(off[:, first : first + len(hinges)])
+            if first >= law.NECK:
+                at = first - law.NECK
+                out[link.joint] = _rms(off[:, at : at + len(hinges)])
             first += len(hinges)
     return out
 
