@@ -58,9 +58,8 @@ class Run:
         clip_slide_mm_s: The cleaned clip's own [mm/s].
         torque_nm: Largest joint torque [N m].
         torque_joint: Where.
-        strength_percent: Largest torque of any joint over the published strength of people about
-            its strongest axis [%].
-        over_percent: Share of the time in which any joint's torque exceeds that strength [%].
+        strength_percent: Largest torque of any joint over its servo's limit [%].
+        over_percent: Share of the time in which any joint's torque exceeds its limit [%].
         shake: Joint accelerations over the clip's.
         flight_s: Time the clip falls freely [s].
         cpu_s: Processor time of cleaning, search and take [s].
@@ -160,7 +159,7 @@ def run_of(
     """
     m = measured(take)
     s, f = score(take, measures=m), following(take, measures=m)
-    strength = _strength(m)
+    strength = _strength(take, m)
     return Run(
         label=label,
         number=number,
@@ -188,12 +187,13 @@ def run_of(
     )
 
 
-def _strength(m: Measured) -> tuple[float, float]:
-    """Largest torque over human strength [%], and time above it [%]; unknown strength left out."""
+def _strength(take: Take, m: Measured) -> tuple[float, float]:
+    """Largest torque over the servos' limits [%], and time above them [%]; 0 without limits."""
     torque = np.linalg.norm(m.joint_torques(), axis=2)
-    links = m.performer().character.links[1:]
-    strongest = [np.inf if k.torque_limit is None else np.max(k.torque_limit) for k in links]
-    used = torque / np.array(strongest)
+    limit = take.model.actuator_forcerange[list(take.scene.parts[0].joint_actuators), 1]
+    used = torque[:, limit > 0.0] / limit[limit > 0.0]
+    if not used.size:
+        return 0.0, 0.0
     return 100.0 * float(used.max()), 100.0 * float(np.mean(used.max(axis=1) > 1.001))
 
 
