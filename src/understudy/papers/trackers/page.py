@@ -158,7 +158,7 @@ def _every(runs: Sequence[Run]) -> Sheet:
         name="Runs",
         caption="Help: root mean square outside force on the root, % of body weight. s free: time "
         "without it before the body was lost. Slide: of the feet, and of the cleaned clip's. "
-        "Torque: the largest of any joint; the largest over its servo's limit, the strength of people; "
+        "Torque: the largest of any joint; the largest over a servo's limit (people's strength); "
         "time above that. Shake: joint accelerations over the clip's.",
         head=HEAD,
         rows=tuple(tuple(_number(cell) for cell in row) for row in table(runs)),
