@@ -7,6 +7,18 @@ In: a clip and a character, or a performance with a free pelvis. Out: the perfor
 from understudy.free_tracking.free import freed, guided, perform, track
 from understudy.free_tracking.passes import Effort
 from understudy.free_tracking.relay import Relay
+from understudy.free_tracking.replanning import Foresight, replanned
 from understudy.free_tracking.search import Pass, Search
 
-__all__ = ["Effort", "Pass", "Relay", "Search", "freed", "guided", "perform", "track"]
+__all__ = [
+    "Effort",
+    "Foresight",
+    "Pass",
+    "Relay",
+    "Search",
+    "freed",
+    "guided",
+    "perform",
+    "replanned",
+    "track",
+]

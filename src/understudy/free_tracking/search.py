@@ -105,7 +105,7 @@ class Search:
         self._tracking = _tracking(performance, character)
         self.model, data = prepared(performance)
         limit_commands(performance.scene, self.model, character)
-        self._layout = layout(performance.scene, self.model, character)
+        self.layout = layout(performance.scene, self.model, character)
         part = Stretch(first=0, last=performance.steps) if stretch is None else stretch
         self.course = self._course(part, States.of(data) if part.start is None else part.start)
         self.ladder = Ladder.whole(self.windows, self.effort.children)
@@ -143,7 +143,7 @@ class Search:
         scene = self.performance.scene
         times = np.array(self.borders) * scene.timestep
         body, part = scene.characters[self.character], scene.parts[self.character]
-        with Windows(self.model, self._layout, threads=self.threads) as windows, quiet_engine():
+        with Windows(self.model, self.layout, threads=self.threads) as windows, quiet_engine():
             goal = Goal.of(windows, self._tracking.reference, body, part, times)
             while not self.ladder.done and self.ladder.tried < self.effort.passes:
                 one = OnePass(
