@@ -165,10 +165,20 @@ def test_only_the_piece_that_fails_again_is_helped_by_the_least_found(
 
 
 def test_what_comes_before_a_fall_is_kept(long: Performance, scripted: type[Scripted]) -> None:
-    one = run(long, [0.0, None, None])
+    one = run(long, [0.0, *[None] * 5])
     assert one.best is not None
     assert np.array_equal(one.best.offsets[:, 0], np.arange(100))
-    assert run(long, [None]).best is None
+    assert run(long, [None] * 4).best is None
+
+
+def test_a_piece_that_cannot_be_passed_is_made_shorter(
+    long: Performance, scripted: type[Scripted]
+) -> None:
+    best = run(long, [0.0, None, None, None, 9.0, 0.0, 0.0, 0.0]).best
+    assert best is not None
+    assert scripted.tried[3:6] == [(100, 170), (100, 145), (125, 245)]
+    assert np.array_equal(best.offsets[:, 0], np.arange(300))
+    assert [span[:2] for span in best.found["helped"]] == [[5.0, 6.25]]
 
 
 def test_memory_of_what_is_done_does_not_grow_with_it(

@@ -2,7 +2,8 @@
 
 A piece is searched some way beyond its end, so that it hands over a body that can go on. However
 long the performance, one piece is in memory at a time. A piece that fails is tried again by itself,
-from a little earlier; only where it fails again is there help.
+from a little earlier; only where it fails again is there help. A piece through which no pass comes
+at all is made shorter.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ from understudy.free_tracking.search import Search, Stretch
 from understudy.free_tracking.windows import States
 from understudy.performance import Performance
 
-PIECE, AHEAD, BACK = 5.0, 1.0, 1.5
+PIECE, AHEAD, BACK, LEAST = 5.0, 1.0, 1.5, 0.6
 """Length of a piece; how far beyond its end it is searched; how much before it is done again where
-it fails [s]."""
+it fails; the shortest piece [s]."""
 ROWS = ("offsets", "help", "postures", "gains")
 """Fields of a guidance with a row per window."""
 
@@ -95,11 +96,12 @@ class Relay:
         dt = performance.scene.timestep
         self._every = max(1, round(self.effort.window / dt))
         self.windows = -(-performance.steps // self._every)
-        self._piece, self._ahead, self._back = (
-            max(1, round(span / (self._every * dt))) for span in (piece, ahead, BACK)
+        self._piece, self._ahead, self._back, self._least = (
+            max(1, round(span / (self._every * dt))) for span in (piece, ahead, BACK, LEAST)
         )
         self.done: Done | None = None
         self._failed: tuple[Done | None, Done | None] | None = None
+        self._short = False  # Whether the piece at work was made shorter.
         self.begin()
         self.identity = self._identity()
 
@@ -116,7 +118,7 @@ class Relay:
     @property
     def again(self) -> bool:
         """Whether the piece at work failed before."""
-        return self._failed is not None
+        return self._failed is not None or self._short
 
     @property
     def best(self) -> Guidance | None:
@@ -139,7 +141,8 @@ class Relay:
             end = first + self._piece
             end = self.windows if end + self._piece // 2 >= self.windows else end
         self._end = end
-        last = min((end + self._ahead) * self._every, self.performance.steps)
+        ahead = min(self._ahead, end - first)
+        last = min((end + ahead) * self._every, self.performance.steps)
         assert first * self._every * dt < self.performance.duration
         self.search = Search(
             self.performance,
@@ -164,7 +167,7 @@ class Relay:
     def _hand_over(self) -> bool:
         """Finish the piece at work, or try it again; whether there is anything left to do."""
         own, end = self._found(), self._end
-        if not self.search.ladder.free and self.done is not None and self._failed is None:
+        if not (self.search.ladder.free or self.again or self.done is None):
             back = min(self._back, len(self.done.states.qpos) - 1, self.reached - 1)
             self._failed = self.done, own
             self.begin(self.done.until(self.reached - back), end)
@@ -176,8 +179,15 @@ class Relay:
             if done is None or (other is not None and other.held < done.held):
                 done = other
             self.done = before
-        if done is None or len(done.guidance.offsets) >= self.windows:
-            self.done = self.done if done is None else done
+        self._short = done is None
+        if done is None:
+            length = (end - self.reached) // 2
+            if length < self._least:
+                return False
+            self.begin(self.done, self.reached + length)
+            return True
+        if len(done.guidance.offsets) >= self.windows:
+            self.done = done
             return False
         self.begin(done)
         return True
