@@ -22,6 +22,7 @@ _LOST = 20000.0  # A child this far off teaches nothing.
 _CHANCE = np.repeat([100.0, 25.0], 3)  # Standard deviation of the help's chance [N, N m].
 _KEEP, _INHERIT = 0.6, 0.3  # Parts of the offsets before, and of the parent's cost, that remain.
 _CAREFUL = 0.3  # Offset that costs one where nothing is known of what is to come [rad].
+_POLISH = 0.5  # Part of the chance that remains where a pass only polishes.
 _ENOUGH = 3  # A fit takes at least one of so many children.
 
 
@@ -233,6 +234,8 @@ class OnePass:
         if gain is None:
             return _KEEP * known[:, DEVIATION:] + noise
         noise[: effort.elites // 2] = 0.0
+        if self._ladder.free:
+            noise *= _POLISH
         most = effort.most / sigma
         return np.clip(known @ gain[:, :-1].T + gain[:, -1], -most, most) + noise
 
