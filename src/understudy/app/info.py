@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from tyro.conf import Positional, arg
 
 from understudy.app.body import Body, character_for
 from understudy.app.outcome import Outcome
-from understudy.app.reading import Reading, clip_from
+from understudy.app.reading import Reading, clip_from, stem
 
 if TYPE_CHECKING:
     from understudy.character import Character
@@ -22,7 +23,9 @@ if TYPE_CHECKING:
 STAYS = 0.05
 """A clip that ends nearer to where it started travels nowhere [m]."""
 
-EXAMPLE = "  understudy info walk.bvh"
+EXAMPLE = """\
+  understudy info walk.bvh
+  understudy info walk.bvh --out out"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,31 +34,61 @@ class Options(Body, Reading):
 
     Attributes:
         clip: A motion file, or sample:NAME.
+        out: Folder for NAME.html (the clip as read beside the clip as prepared, and the force that
+            the ground cannot give, over time) and NAME.png (both motions as a sheet).
         json: Print one JSON object.
     """
 
     clip: Positional[Annotated[str, arg(metavar="CLIP")]]
+    out: Annotated[Path | None, arg(metavar="DIR", help_behavior_hint="(default: no files)")] = None
     json: bool = False
 
 
 def run(options: Options) -> Outcome:
     """Describe one clip."""
     import understudy as us
+    from understudy.evaluate.preparation import preparation as prepared
+    from understudy.take import posed
 
     clip = clip_from(options.clip, options)
     character = character_for(clip, options)
     performance = us.tracked(clip, character)
     changes = preparation(clip, character, performance)
     found = outlook(performance)
+    moved = prepared(posed(performance))
+    files = {} if options.out is None else written_out(performance, options.out, options.clip)
     result = {
         "clip": options.clip,
         **described(clip),
         **whereabouts(clip, character),
         "preparation": changes,
+        "changed": moved.as_dict(),
         "feasibility": None if found is None else found.as_dict(),
         "character": embodied(character),
+        "files": files,
     }
-    return Outcome(result=result, text=text(clip, character, changes, found))
+    said = [text(clip, character, [*changes, f"Changed in all: {moved}"], found)]
+    said += ["", "files:", *(f"  {path}" for path in files.values())] if files else []
+    return Outcome(result=result, text="\n".join(said))
+
+
+def written_out(performance: Performance, folder: Path, clip: str) -> dict[str, str]:
+    """Write the page and the sheet of a clip that has ground under it; ending to path.
+
+    Raises:
+        InvalidValue: There is no ground.
+    """
+    from understudy.app.performing import ready, staged
+    from understudy.clip_report import write_clip_page
+    from understudy.output import contact_sheet
+    from understudy.take import posed
+
+    ready(folder)
+    name = stem(clip)
+    with staged(folder, name) as (inside, files):
+        write_clip_page(performance, inside / f"{name}.html")
+        contact_sheet(posed(performance), inside / f"{name}.png")
+    return files
 
 
 def preparation(clip: Clip, character: Character, performance: Performance) -> list[str]:

@@ -26,9 +26,11 @@ EXAMPLE = """\
   understudy track *.bvh --out out --jobs 2 --json > scores.json
   understudy track walk.bvh --character child --law paper --video"""
 
-HELP_FROM_ABOVE = """\
+MISSING = """\
 missing: the force that the clip needs and the ground cannot give, root mean square, in % of body
-weight. Up to 7: it will stand free; up to 20: it may; more: it cannot, as the scene is.
+weight. Up to 7: it will stand free; up to 20: it may; more: it cannot, as the scene is."""
+
+HELP_FROM_ABOVE = """\
 help: outside force on the pelvis, mean / peak, in % of body weight. 0: nothing but contact holds
 the body. A mean up to 5: it almost stands by itself; 5 to 30: a light hand from above; more: it is
 held up. A led pelvis always is."""
