@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from understudy.character import Character
-from understudy.control import EngineState, Guidance, PythonController, guidance_law
+from understudy.control import EngineState, Guidance, PythonController, Tracking, guidance_law
 from understudy.control.guidance import axes, layout
 from understudy.errors import InvalidValue
+from understudy.evaluate.measure import measured
 from understudy.motion import rotations as rot
 from understudy.motion.samples import sample
 from understudy.performance import Performance, tracked
@@ -156,3 +157,37 @@ def test_windows_must_be_whole_steps(walking: Performance) -> None:
     odd = guidance(walking, window=walking.scene.timestep * 2.5)
     with pytest.raises(InvalidValue, match="no whole number of steps"):
         simulate(guided(walking, odd))
+
+
+def test_a_discrete_servo_is_told_where_to_be_at_the_end_of_its_step(walking: Performance) -> None:
+    scene = replace(walking.scene, integrator="discrete")
+    late = replace(walking, scene=scene)
+    model, _ = prepared(walking)
+    discrete, _ = prepared(late)
+    now, then = open_loop_controls(walking, model), open_loop_controls(late, discrete)
+    assert then.ctrl[:-1] == pytest.approx(now.ctrl[1:], abs=1e-9)
+
+
+def test_soft_legs_are_as_strong_as_in_motion(walking: Performance) -> None:
+    (tracking,) = walking.controllers
+    assert isinstance(tracking, Tracking)
+    model, _ = prepared(replace(walking, controllers=(replace(tracking, torque_limits="human"),)))
+    body, part = walking.scene.characters[0], walking.scene.parts[0]
+    for joint, factor in (("left_ankle", 2.0), ("left_knee", 1.5), ("left_elbow", 1.0)):
+        k = body.index(joint)
+        limit = model.actuator_forcerange[part.joint_actuators[k - 1]].max()
+        assert limit == pytest.approx(factor * np.max(body.links[k].torque_limit)), joint
+
+
+def test_no_command_asks_for_more_torque_than_there_is(walking: Performance) -> None:
+    (tracking,) = walking.controllers
+    assert isinstance(tracking, Tracking)
+    scene = replace(walking.scene, integrator="discrete", timestep=1.0 / 120.0)
+    weak = replace(tracking, torque_limits="human", strengths=(("left_hip", 0.2),))
+    one = guidance(walking, window=0.05)
+    take = simulate(replace(walking, scene=scene, controllers=(weak, one)))
+    hip = scene.characters[0].index("left_hip")
+    limit = take.model.actuator_forcerange[scene.parts[0].joint_actuators[hip - 1]].max()
+    torque = np.linalg.norm(measured(take).joint_torques(0)[:, hip - 1], axis=-1)
+    assert torque.max() > 0.5 * limit
+    assert np.quantile(torque, 0.9) < 1.1 * limit

@@ -80,3 +80,10 @@ def test_a_loose_prop_that_begins_inside_something_is_refused(position, inside):
         us.track(clip, adult_man(), props=props, contacts=[("ball", "table")])
     high = [Ball(position=(*position[:2], 1.2)), props[1]]
     us.track(clip, adult_man(), props=high, contacts=[("ball", "table")])
+
+
+def test_integrators_go_by_name():
+    discrete = Scene(characters=(chain(2),), integrator="discrete")
+    assert discrete.model.opt.integrator == mujoco.mjtIntegrator.mjINT_DISCRETE
+    with pytest.raises(InvalidValue, match="integrator is 'rk4'; it must be one of"):
+        Scene(characters=(chain(2),), integrator="rk4")  # type: ignore[arg-type]
