@@ -88,6 +88,10 @@ class Goal:
         """Cost of scaled deviations (n, DEVIATION), shape (n,)."""
         return np.einsum("ni,ij,nj->n", off, self.cost, off)
 
+    def displacements(self, off: Array) -> Array:
+        """Square of how far scaled deviations (n, DEVIATION) are off in place and turn, (n,)."""
+        return (off[:, :3] ** 2).sum(axis=1) + (off[:, 9:12] ** 2).sum(axis=1)
+
     def joint_costs(self, qpos: Array, border: int) -> Array:
         """Cost of the joints' errors of states (n, nq) at a border, shape (n,)."""
         joints = qpos[:, self.coordinates][:, 7:].reshape(len(qpos), -1, 4)

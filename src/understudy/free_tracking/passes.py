@@ -18,6 +18,7 @@ from understudy.motion.rotations import Array
 
 # Least costs of the best state of a fall, of an end far off, and of straying from the goal.
 _FALL, _END, _STRAY = 500.0, 320.0, 20.0
+_AWAY = 50.0  # Least displacement of a fall: 0.2 m or 30 degrees.
 _LOST = 20000.0  # A child this far off teaches nothing.
 _CHANCE = np.repeat([100.0, 25.0], 3)  # Standard deviation of the help's chance [N, N m].
 _KEEP, _INHERIT = 0.6, 0.3  # Parts of the offsets before, and of the parent's cost, that remain.
@@ -176,7 +177,7 @@ class OnePass:
         """Go on until the end or a fall; `told` hears the number of windows done."""
         for w in range(self._course.windows):
             crowd = self._step(w)
-            if not len(crowd.cost) or crowd.cost.min() > _FALL:
+            if not len(crowd.cost) or self._fallen(crowd):
                 return
             self.crowds.append(crowd)
             told(w + 1)
@@ -188,6 +189,12 @@ class OnePass:
             out.append((crowd, row))
             row = int(crowd.parents[row])
         return out[::-1]
+
+    def _fallen(self, crowd: Crowd) -> bool:
+        """Whether even the best is far off, in place too: a jerk of the clip is no fall."""
+        best = int(np.argmin(crowd.cost))
+        place = self._goal.displacements(crowd.off[best : best + 1])[0]
+        return bool(crowd.cost[best] > _FALL and place > _AWAY)
 
     def _first(self) -> Crowd:
         """The first state alone."""
