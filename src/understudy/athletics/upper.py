@@ -129,7 +129,8 @@ class UpperBody:
         loop: Whether it is repeated; a clip of running always is.
         stride: Whether it is locked to the runner's stride; None: if its legs walk or run.
         lean: Share of the waist's forward lean that the runner shows, 0 to 1.
-        turn: Share of the waist's turn that is the clip's, 0 to 1; the rest is the runner's own.
+        turn: Share of the waist's turn that is the clip's, 0 to 1; the rest is the runner's own,
+            which turns against his legs.
         character: Which of the scene's characters.
     """
 
@@ -138,7 +139,7 @@ class UpperBody:
     loop: bool = False
     stride: bool | None = None
     lean: float = 0.25
-    turn: float = 0.25
+    turn: float = 0.0
     character: int = 0
 
     def __post_init__(self) -> None:
