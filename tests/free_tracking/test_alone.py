@@ -65,7 +65,7 @@ def test_an_edit_of_a_free_body_is_pushed_and_hit_and_stands(file: Path) -> None
     take = perform(file, effort=SMALL)
     assert take.performance is not None
     kinds = [type(one).__name__ for one in take.performance.controllers]
-    assert kinds == ["Tracking", "Guidance", "LookAt", "Push", "Throw", "GiveWay"]
+    assert kinds == ["Tracking", "LookAt", "Guidance", "Push", "Throw", "GiveWay"]
     score = us.score(take)
     assert score.fully_physical and score.fell_s is None
     assert take.facts["torque_limits"] == "human"

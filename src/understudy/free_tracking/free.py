@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
@@ -13,7 +13,15 @@ from typing import Any, cast
 from tqdm import tqdm
 
 from understudy.character import Character
-from understudy.control import Compiled, Guidance, PythonController
+from understudy.control import (
+    Compiled,
+    Controller,
+    GiveWay,
+    Guidance,
+    PythonController,
+    Task,
+    Tracking,
+)
 from understudy.edit import read_edit
 from understudy.errors import InvalidValue, UnderstudyError
 from understudy.free_tracking.alone import by_itself, unheld
@@ -122,10 +130,25 @@ def guided(performance: Performance, **search: Any) -> Performance:
     for tracking in unheld(performance):
         alone = freed(by_itself(performance, tracking), **search)
         guidance = cast(Guidance, alone.controllers[-1])
-        place = next(k for k, one in enumerate(controllers) if one is tracking) + 1
-        controllers.insert(place, replace(guidance, character=tracking.character))
+        guidance = replace(guidance, character=tracking.character)
+        controllers.insert(_place(controllers, tracking), guidance)
         duration = min(duration, alone.duration)
     return replace(performance, controllers=tuple(controllers), duration=duration)
+
+
+def _place(controllers: Sequence[Controller], tracking: Tracking) -> int:
+    """After a character's tasks, so that its strength bounds them too, but before it gives way."""
+    own = [
+        k
+        for k, one in enumerate(controllers)
+        if one is tracking
+        or (
+            isinstance(one, Task)
+            and not isinstance(one, GiveWay)
+            and one.character == tracking.character
+        )
+    ]
+    return max(own) + 1
 
 
 def freed(
