@@ -28,7 +28,7 @@ from understudy.app.workers import each
 from understudy.errors import InvalidValue
 from understudy.motion.files import written
 from understudy.papers.trackers import Run, page_html, replays, run_of, summaries, table
-from understudy.papers.trackers.runs import HEAD, SUMMARY_HEAD, flight, missing, survival
+from understudy.papers.trackers.runs import HEAD, SUMMARY_HEAD, flight, missing, reasons, survival
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -201,6 +201,7 @@ def text(runs: list[Run]) -> str:
         return f"{value:.2f}" if isinstance(value, float) else str(value)
 
     parts = [columns([HEAD, *table(runs)], right=range(1, len(HEAD)))]
+    parts += reasons(runs)
     rows = [tuple(cell(value) for value in row) for row in summaries(runs)]
     if rows:
         parts += ["", columns([SUMMARY_HEAD, *rows], right=range(2, len(SUMMARY_HEAD)))]

@@ -19,6 +19,7 @@ from understudy.papers.trackers.runs import (
     SUMMARY_HEAD,
     Run,
     middle,
+    reasons,
     summaries,
     survival,
     table,
@@ -162,6 +163,7 @@ def _every(runs: Sequence[Run]) -> Sheet:
         "time above that. Shake: joint accelerations over the clip's.",
         head=HEAD,
         rows=tuple(tuple(_number(cell) for cell in row) for row in table(runs)),
+        notes=tuple(reasons(runs)),
     )
 
 

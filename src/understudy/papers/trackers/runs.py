@@ -350,13 +350,18 @@ def table(runs: Sequence[Run]) -> list[tuple[str, ...]]:
     return [_row(run) for run in sorted(runs, key=lambda r: (r.number, r.label, r.seed))]
 
 
+def reasons(runs: Sequence[Run]) -> list[str]:
+    """Why runs have no take."""
+    return [f"{run.name}, seed {run.seed}: {run.error}" for run in runs if run.error is not None]
+
+
 def _row(run: Run) -> tuple[str, ...]:
     def cell(value: float | None, form: str) -> str:
         return "-" if value is None else format(value, form)
 
     if run.error is not None:
         known = (f"{run.seconds:.2f}", cell(run.score_percent, ".1f"))
-        return (run.name, str(run.seed), *known, run.error, *[""] * (len(HEAD) - 5))
+        return (run.name, str(run.seed), *known, "none", *[""] * (len(HEAD) - 5))
     slide = f"{cell(run.slide_mm_s, '.0f')}/{cell(run.clip_slide_mm_s, '.0f')}"
     return (
         run.name,
