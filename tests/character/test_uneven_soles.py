@@ -7,12 +7,12 @@ import pytest
 
 from understudy.character import Character, adult_man, retargeted
 from understudy.character.planting import planted
-from understudy.character.soles import STANDS, sole_points, standing
+from understudy.character.soles import STANDS, sole_paths, sole_points, standing
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
 from understudy.motion.samples import sample
-from understudy.scene import Ground, Steps
+from understudy.scene import Block, Ground, Steps
 
 
 @pytest.fixture(scope="module")
@@ -70,3 +70,17 @@ def test_without_a_ground_nothing_changes(man, walk):
     once, twice = planted(standing(walk, man), man), planted(standing(walk, man), man, ground=None)
     np.testing.assert_array_equal(once.rotations, twice.rotations)
     np.testing.assert_array_equal(once.root_positions, twice.root_positions)
+
+
+@pytest.mark.parametrize("start", [1.5, 2.2, 2.9])
+def test_no_sole_meets_the_edge_of_a_block_on_the_way_down(man, walk, start):
+    """Not at its points, and not between heel and ball as a foot rolls over the edge."""
+    block = Block(position=(start - 5.0, 0.0), height=0.2, length=10.0, width=9.0)
+    ground = Ground(blocks=(block,))
+    path = planted(standing(walk, man, ground=ground), man, ground=ground)
+    assert np.ptp(ground.height(path.root_positions)) == 0.2
+    for side in ("left", "right"):
+        points = sole_paths(path, man, side=side)
+        middle = 0.5 * (points[:, :-2] + points[:, 2:])
+        sole = np.concatenate((points, middle), axis=1)
+        assert (sole[..., 2] - ground.height(sole)).min() > -0.01

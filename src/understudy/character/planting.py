@@ -32,11 +32,13 @@ from understudy.motion.rotations import Array
 MOST_SHIFT = 0.1  # A foot further off than this is not there by accident [m].
 MOST_LIFT = 0.6  # Hands of a body with long arms may hang this far below the floor [m].
 PLANTED_HEIGHT = 0.03  # A sole point in stance is lower than this [m]
+ROLLING = 0.03  # Bearing on an edge, a foot stands on no point this much higher [m].
 PLANTED_SPEED = 0.7  # and slides no faster [m/s].
 PLANT_SMOOTHING = 0.04  # [s].
 # A foot swinging by at twice that speed or more passes at least this high over the floor [m].
 CLEARANCE = 0.015
-_UP = np.array([0.0, 0.0, 1.0])
+# Ground that differs by more under one sole is an edge [m], and is passed so high, however slowly.
+RISER, EDGE_CLEARANCE = 0.03, 0.03
 LEG, ARM = ("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")
 # Axes a straight limb bends about, in its upper link's frame: a knee's, and an elbow's in T-pose.
 LATERAL, VERTICAL = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -72,16 +74,12 @@ def planted(clip: Clip, character: Character, *, ground: Floor | None = None) ->
             if not points or any(name not in joints for name in names):
                 continue
             places = np.stack(points, axis=1)
-            swinging = places
-            if ground is not None:
-                swinging = places - ground.height(places)[..., None] * _UP
-                places[..., 2] -= under(ground, places)
             if part == "feet":
-                low = PLANTED_HEIGHT if ground is None else UNEVEN_HEIGHT
-                shift = _planting(places, swinging, clip.rate, low)
+                shift = _planting(places, clip.rate, ground)
             else:
+                depth = -_over(places, ground)[..., 2].min(axis=1)
                 shift = np.zeros((clip.frames, 3))
-                shift[:, 2] = _rise(-places[..., 2].min(axis=1), clip.rate, most=MOST_LIFT)
+                shift[:, 2] = _rise(depth, clip.rate, most=MOST_LIFT)
             if np.abs(shift).max() < STANDS:
                 continue
             moved_end(clip, [joints.index(name) for name in names], shift, local, hinge)
@@ -97,18 +95,39 @@ def planted(clip: Clip, character: Character, *, ground: Floor | None = None) ->
     return replace(clip, rotations=local, notes=(*clip.notes, *notes)) if notes else clip
 
 
-def _planting(places: Array, swinging: Array, rate: float, low: float) -> Array:
+def _over(places: Array, ground: Floor | None) -> Array:
+    """Places (..., 3) [m] with their height over the ground instead of over z = 0."""
+    if ground is None:
+        return places
+    height = places[..., 2] - under(ground, places)
+    return np.concatenate((places[..., :2], height[..., None]), axis=-1)
+
+
+def _sole(places: Array) -> Array:
+    """Points all over a foot's sole [m], (frames, more, 3): an edge may meet it anywhere.
+
+    `places` are the lowest points of its spheres, (frames, points, 3), in pairs from heel to toe.
+    """
+    back, front = places[:, :-2], places[:, 2:]
+    between = [back + part * (front - back) for part in (0.2, 0.4, 0.6, 0.8)]
+    return np.concatenate((places, *between), axis=1)
+
+
+def _planting(paths: Array, rate: float, ground: Floor | None) -> Array:
     """How to move a foot [m], shape (frames, 3), from the paths of its sole points.
 
-    `places` has shape (frames, points, 3), the lowest point of each sphere, its z over
-    the floor. A point in stance is lower than `low` [m]. `swinging` is the same over every edge: a
-    foot in swing passes above it.
+    `paths` has shape (frames, points, 3), the lowest point of each sphere. Where the ground is
+    uneven, a foot in swing passes above every edge, and one that rolls over an edge is in swing.
     """
+    places = _over(paths, ground)
+    low = PLANTED_HEIGHT if ground is None else UNEVEN_HEIGHT
     frames = np.arange(len(places))
     lowest = places[..., 2].argmin(axis=1)
     height = places[frames, lowest, 2]
     velocity = derivative(places[..., :2], rate, smoothing=0.075)[frames, lowest]
     stance = (height < low) & (np.linalg.norm(velocity, axis=1) < PLANTED_SPEED)
+    if ground is not None:
+        stance &= height - _over(_sole(paths), ground)[..., 2].min(axis=1) < ROLLING
     stance = binary_closing(np.pad(stance, 3, mode="edge"), iterations=3)[3:-3]
     stance = binary_opening(np.pad(stance, 9, mode="edge"), iterations=max(1, round(0.03 * rate)))
     found: Any = label(stance[9:-9])
@@ -125,8 +144,13 @@ def _planting(places: Array, swinging: Array, rate: float, low: float) -> Array:
     # corner in the path.
     swing = np.linalg.norm(velocity, axis=1) / PLANTED_SPEED - 1.0
     clear = CLEARANCE * np.clip(swing, 0.0, 1.0)
-    lowest = np.where(spans > 0, places[..., 2].min(axis=1), swinging[..., 2].min(axis=1))
-    shift[:, 2] += _rise(clear - (lowest + shift[:, 2]), rate)
+    lowest = height + shift[:, 2]
+    if ground is not None:
+        sole = _sole(paths + shift[:, None])
+        floor = ground.height(sole)
+        lowest = np.where(spans > 0, lowest, (sole[..., 2] - floor).min(axis=1))
+        clear[(spans == 0) & (np.ptp(floor, axis=1) > RISER)] = EDGE_CLEARANCE
+    shift[:, 2] += _rise(clear - lowest, rate)
     return shift
 
 
