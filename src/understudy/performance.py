@@ -17,6 +17,7 @@ from understudy.athletics.upper import UpperBody
 from understudy.character import Athlete, Character, Linkage, athlete_man, retargeted
 from understudy.character.body import SelfCollision
 from understudy.character.build import size_doubts
+from understudy.character.leaning import leaning
 from understudy.character.planting import planted
 from understudy.character.soles import standing
 from understudy.control import Controller, Disturbance, Drive, GiveWay, Task, Tracking
@@ -147,6 +148,7 @@ def tracked(
     elif ground is not None and not ground.level:
         floor = ground
     reference = standing(reference, character, ground=floor, own=own)
+    reference = leaning(reference, character, ground=own or floor)
     reference = planted(reference, character, ground=own or floor)
     doubts = [note for note in size_doubts(character.height) if note in character.notes]
     if doubts:

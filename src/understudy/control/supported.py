@@ -20,10 +20,11 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import solveh_banded
-from scipy.ndimage import find_objects, label
+from scipy.ndimage import find_objects, gaussian_filter1d, label
 
 from understudy.character.body import Character
-from understudy.character.planting import LATERAL, LEG, moved_end
+from understudy.character.leaning import bearing_hands
+from understudy.character.planting import ARM, LATERAL, LEG, VERTICAL, moved_end
 from understudy.character.soles import sole_paths
 from understudy.control.feedforward import REACH, required
 from understudy.motion import rotations as rot
@@ -57,13 +58,13 @@ def supported(clip: Clip, character: Character, ground: Ground) -> Clip:
         character: The body.
         ground: What it stands on.
     """
-    legs = _legs(clip, character, ground)
-    if clip.frames < 10 or not legs:
+    limbs = _limbs(clip, character, ground)
+    if clip.frames < 10 or not limbs:
         return clip
     scene = Scene(characters=(character,), ground=ground, timestep=timestep_for(clip.rate))
     shift, best, least = np.zeros_like(clip.root_positions), clip, np.inf
     for round_ in range(ROUNDS + 1):
-        moved = _moved(clip, shift, legs)
+        moved = _moved(clip, shift, limbs)
         need = required(
             scene, scene.model, 0, moved, contact=True, reach=REACH, smoothing=SMOOTHING
         )
@@ -108,9 +109,14 @@ def _shift(shift: Array, wanted: Array, weight: Array, rate: float) -> Array:
     return np.clip(solveh_banded(band, right), -MOST_SHIFT, MOST_SHIFT)
 
 
-def _legs(clip: Clip, character: Character, ground: Ground) -> list[tuple[list[int], Array]]:
-    """Joints of each leg, and how far its foot stays: 1 on the floor, 0 high up, (frames, 1)."""
-    joints, legs = [link.joint for link in character.links], []
+def _limbs(
+    clip: Clip, character: Character, ground: Ground
+) -> list[tuple[list[int], Array, Array]]:
+    """Joints of each limb, how far its end stays, (frames, 1), and what it bends about.
+
+    A foot stays, 1, on the floor and not, 0, high up; a hand stays while it bears the body.
+    """
+    joints, limbs = [link.joint for link in character.links], []
     for side in ("left", "right"):
         leg = [f"{side}_{name}" for name in LEG]
         paths = sole_paths(clip, character, side=side)
@@ -118,14 +124,19 @@ def _legs(clip: Clip, character: Character, ground: Ground) -> list[tuple[list[i
             height = (paths[..., 2] - ground.height(paths)).min(axis=1)
             high = np.clip((height - NEAR) / (HIGH - NEAR), 0.0, 1.0)
             stays = 1.0 - high * high * (3.0 - 2.0 * high)
-            legs.append(([joints.index(name) for name in leg], stays[:, None]))
-    return legs
+            limbs.append(([joints.index(name) for name in leg], stays[:, None], LATERAL))
+    for side, bears in bearing_hands(clip, character, ground).items():
+        arm = [f"{side}_{name}" for name in ARM]
+        if bears.any() and set(arm) <= set(joints):
+            stays = gaussian_filter1d(bears.astype(float), 0.5 * BRIEF * clip.rate, mode="nearest")
+            limbs.append(([joints.index(name) for name in arm], stays[:, None], VERTICAL))
+    return limbs
 
 
-def _moved(clip: Clip, shift: Array, legs: list[tuple[list[int], Array]]) -> Clip:
-    """The clip with its pelvis shifted [m] and feet on the floor where they were."""
+def _moved(clip: Clip, shift: Array, limbs: list[tuple[list[int], Array, Array]]) -> Clip:
+    """The clip with its pelvis shifted [m] and what rests on the floor where it was."""
     moved = replace(clip, root_positions=clip.root_positions + shift)
     local = np.array(clip.rotations)
-    for leg, stays in legs:
-        moved_end(moved, leg, -stays * shift, local, LATERAL)
+    for limb, stays, hinge in limbs:
+        moved_end(moved, limb, -stays * shift, local, hinge)
     return replace(moved, rotations=rot.continuous(local))
