@@ -96,6 +96,31 @@ def test_speeds_and_headings_over_time_share_one_table():
     assert np.degrees(course.headings) == pytest.approx([0.0, 90.0, 90.0])
 
 
+def test_standing_before_and_after_a_run_are_steps_of_the_speed():
+    options = athlete.Options(
+        behavior="running", speed="0:3,4:4", seconds=12.0, start="standing", stop=True
+    )
+    course = athlete._course(options)
+    assert course.stands and course.start[2] == 0.0
+    assert course.speeds.tolist() == [0.0, 0.0, 3.0, 4.0, 4.0, 0.0]
+    assert course.times[:2].tolist() == [0.0, 1.0]
+    assert 12.0 - course.times[-1] > 4.0 / 1.8
+
+
+def test_a_stop_needs_time(capsys):
+    assert main(["athlete", "running", "--stop", "--seconds", "3"]) == 2
+    assert "--seconds is 3; with --stop it must be over 4.8" in capsys.readouterr().err
+
+
+def test_a_start_and_a_stop_are_measured(tmp_path, capsys):
+    words = ["athlete", "running", "--start", "standing", "--stop", "--speed", "3.5"]
+    assert main([*words, "--seconds", "12", "--out", str(tmp_path), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["fell_at_s"] is None
+    assert 1.0 < found["start_s"] < 6.0 and found["start_m"] < 12.0
+    assert found["stop_m"] < 7.0 and found["residual_speed_m_s"] < 0.1
+
+
 @pytest.mark.parametrize("word", ["fast", "0:2.5,4", "1:2:3"])
 def test_a_speed_that_is_none_says_what_it_may_be(word):
     with pytest.raises(InvalidValue, match="--speed"):
@@ -110,3 +135,12 @@ def test_training_writes_gains_with_the_command_that_made_them(tmp_path, capsys)
     assert saved["origin"]["seed"] == 5
     assert "--gains pitch" in saved["origin"]["command"] == found["origin"]["command"]
     assert set(saved["gains"]) > {"pitch", "knee_stiffness"}
+
+
+def test_training_a_stop_tells_how_its_part_was_made(tmp_path, capsys):
+    words = ["train", "running", "--part", "stop", "--gains", "step_time", "--population", "2"]
+    assert main([*words, "--evaluations", "2", "--out", str(tmp_path)]) == 0
+    saved = json.loads((tmp_path / "standing.json").read_text())
+    assert "--part stop --evaluations 2" in saved["origin"]["stop"]["command"]
+    assert main([*words, "--checkpoint", "x.json"]) == 2
+    assert "--part stop goes on with --start" in capsys.readouterr().err

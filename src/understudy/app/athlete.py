@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 EXAMPLE = """\
   understudy athlete running --speed 3.5 --seconds 20 --out out
   understudy athlete running --speed 0:2.5,8:5,16:2.5 --seconds 20 --stills
+  understudy athlete running --start standing --stop --speed 3.5 --seconds 12
   understudy athlete running --path track-400m --speed 4 --seconds 110
   understudy athlete running --heading 0:0,5:0,8.1:90 --push 12:0,70 --seconds 16
   understudy athlete running --runners 4 --character mixed --stills
@@ -38,6 +39,9 @@ _LANE, _LANES = 1.22, 8
 _HEIGHTS = (1.0, 0.98, 1.02, 0.96, 1.03, 0.99, 0.97, 1.01)
 # A gait is measured from then on [s], or from a third of a shorter run.
 _SETTLED = 2.0
+# How long it stands before a run, a step in the speed [s]; how fast a stop brakes [m/s^2], and how
+# long it stands after it [s].
+_STANDS, _AT_ONCE, _BRAKES, _SETTLES = 1.0, 0.01, 1.5, 2.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,8 +54,11 @@ class Options:
 
     Attributes:
         behavior: running (Hodgins et al. 1995).
-        speed: Meters per second, or TIME:SPEED,TIME:SPEED,... with straight lines in between.
+        speed: Meters per second, or TIME:SPEED,TIME:SPEED,... with straight lines in between; under
+            1 m/s the athlete stands.
         seconds: How long.
+        start: running, or standing for a second before the run.
+        stop: End standing.
         heading: Facing direction in degrees, left positive; or TIME:DEGREES,...
         path: File of points to run along, a line of X Y in meters each; or track-400m.
         character: man, woman, or of several runners mixed: a man, a woman and so on.
@@ -74,6 +81,8 @@ class Options:
     behavior: Positional[Annotated[Literal["running"], arg(metavar="BEHAVIOR")]]
     speed: Annotated[str, arg(metavar="V")] = "3.5"
     seconds: Annotated[float, arg(metavar="S")] = 20.0
+    start: Literal["running", "standing"] = "running"
+    stop: bool = False
     heading: Annotated[str, arg(metavar="DEG")] = "0"
     path: Annotated[str | None, arg(metavar="FILE", help_behavior_hint="(default: none)")] = None
     character: Literal["man", "woman", "mixed"] = "man"
@@ -206,12 +215,22 @@ def _bodies(options: Options) -> list[Athlete]:
 
 def _judged(options: Options, performance: Performance) -> dict[str, Any]:
     """What a judge saw of one runner; runners in lanes do not touch, so each is seen alone."""
+    from understudy.athletics.running import Running
     from understudy.athletics.running_judge import Judge, report
+    from understudy.athletics.standing_judge import Recorder, Samples, start_and_stop
     from understudy.simulate.trials import judged
 
     (running, *_) = performance.controllers
-    seen, _ = judged(performance, Judge(running=running))  # type: ignore[arg-type]
-    return _figures(options, performance.scene.characters[0], report(seen))
+    assert isinstance(running, Running)
+    seen, _ = judged(performance, Judge(running=running))
+    found = _figures(options, performance.scene.characters[0], report(seen))
+    if not running.course.stands:
+        return found
+    memory, _ = judged(performance, Recorder(running=running, seconds=performance.duration))
+    samples = Samples.of(memory)
+    if samples.fell and found["fell_at_s"] is None:
+        found["fell_at_s"] = samples.seconds
+    return found | start_and_stop(samples, running.course)
 
 
 def _on_path(take: Take, character: int, alone: Performance) -> dict[str, Any]:
@@ -254,7 +273,7 @@ def _course(options: Options) -> Course:
 
     from understudy.athletics.course import Course, track_400m
 
-    speeds, headings = _steps("--speed", options.speed), _steps("--heading", options.heading)
+    speeds, headings = _speeds(options), _steps("--heading", options.heading)
     times = sorted({time for time, _ in (*speeds, *headings)})
     rows = [
         np.interp(times, [time for time, _ in steps], [value for _, value in steps])
@@ -274,6 +293,24 @@ def _course(options: Options) -> Course:
         path=path,
         closed=closed,
     )
+
+
+def _speeds(options: Options) -> list[tuple[float, float]]:
+    """The speeds asked for, with standing before and after where that is wanted."""
+    speeds = _steps("--speed", options.speed)
+    if options.start == "standing":
+        late = [(time, speed) for time, speed in speeds if time > _STANDS + _AT_ONCE]
+        speeds = [(0.0, 0.0), (_STANDS, 0.0), (_STANDS + _AT_ONCE, speeds[0][1]), *late]
+    if options.stop:
+        last = speeds[-1][1]
+        stop = options.seconds - last / _BRAKES - _SETTLES
+        if stop <= speeds[-1][0]:
+            raise InvalidValue(
+                f"--seconds is {options.seconds:g}; with --stop it must be over "
+                f"{speeds[-1][0] + options.seconds - stop:.1f}."
+            )
+        speeds += [(stop, last), (stop + _AT_ONCE, 0.0)]
+    return speeds
 
 
 def _steps(option: str, word: str) -> list[tuple[float, float]]:

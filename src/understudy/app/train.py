@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from tyro.conf import Positional, arg
 
 from understudy import __version__
+from understudy.app import train_standing
 from understudy.app.outcome import Outcome, plain, table
 from understudy.app.performing import ready, staged
 
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 
 EXAMPLE = """\
   understudy train running --evaluations 6000 --checkpoint search.json --out out
-  understudy train running --start out/running.json --sigma 0.02 --seed 1 --out out"""
+  understudy train running --start out/running.json --sigma 0.02 --seed 1 --out out
+  understudy train running --part stop --evaluations 240 --sigma 0.1 --out out"""
 
 # Steady states are kept at these speeds [m/s].
 _SPEEDS = (2.5, 3.0, 3.5, 4.0, 4.5, 5.0)
@@ -36,7 +38,8 @@ class Options:
 
     Attributes:
         behavior: running (Hodgins et al. 1995).
-        start: Gains to begin with, a NAME.json; by default a guess.
+        part: gait; or start or stop, of standing, with the shipped gait, which write standing.json.
+        start: Gains to begin with, a NAME.json; by default a guess, of standing the shipped ones.
         gains: Names of the gains to search, with their slopes.
         evaluations: Candidates to try, each in every scenario.
         population: Candidates of a generation.
@@ -49,6 +52,7 @@ class Options:
     """
 
     behavior: Positional[Annotated[Literal["running"], arg(metavar="BEHAVIOR")]]
+    part: Literal["gait", "start", "stop"] = "gait"
     start: Annotated[Path | None, arg(metavar="FILE", help_behavior_hint="(default: none)")] = None
     gains: Annotated[tuple[str, ...], arg(metavar="NAME", help_behavior_hint="(default: all)")] = ()
     evaluations: Annotated[int, arg(metavar="N")] = 4000
@@ -70,6 +74,8 @@ def run(options: Options) -> Outcome:
     from understudy.errors import UnderstudyError
     from understudy.training import steady_states, train
 
+    if options.part != "gait":
+        return train_standing.run(options, _told)
     ready(options.out)
     start = Schedule()
     if options.start is not None:

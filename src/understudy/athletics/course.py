@@ -27,17 +27,21 @@ from understudy.motion.skeleton import frozen_array
 ) = range(10)
 # fmt: on
 C_TABLE = 10
-# Memory: the limited commands, the biases, running means, the place on the path.
+# Memory: the limited commands, the biases, running means, the place on the path; then what a
+# start or a stop changes of the run: how much further back feet are put [m], damping of the knee,
+# stiffness of the thrust (a share), forward lean.
 # fmt: off
 (
     SPEED, HEADING, SPEED_BIAS, SIDE_BIAS, MEAN_SPEED, MEAN_SIDE, SEGMENT, PATH_BIAS,
-    ASIDE, TURNING
-) = range(10)
+    ASIDE, TURNING, LEAD, MORE_DAMPING, MORE_THRUST, MORE_LEAN
+) = range(14)
 # fmt: on
-COURSE_MEMORY = 10
+COURSE_MEMORY = 14
 # The means run over about two steps [s]; the heading closes on a path's in this time [s].
 _MEAN, _CLOSING = 0.7, 0.35
 _MOST_BIAS, _MOST_SIDE, _MOST_AIM = 2.8, 0.4, 0.35
+# Desired speeds under this one are standing [m/s]: a runner starts when they rise over it.
+LEAST = 1.0
 # Points of a path lie this far apart [m].
 _SPACING = 0.5
 
@@ -157,7 +161,7 @@ class Course:
 
     Attributes:
         times: When the values below hold, increasing [s], shape (rows,); linear in between.
-        speeds: Desired speed [m/s], shape (rows,).
+        speeds: Desired speed [m/s], shape (rows,); under 1 m/s the athlete stands.
         headings: Desired facing direction from +x toward +y [rad], shape (rows,); a path replaces
             them.
         begin: Where it begins [m], shape (2,); a path replaces it.
@@ -250,6 +254,11 @@ class Course:
             return self.begin, float(self.headings[0]), float(self.speeds[0])
         rows = self._points()
         return rows[0, :2], float(rows[0, 2]), float(self.speeds[0])
+
+    @property
+    def stands(self) -> bool:
+        """Whether it asks for standing at some time."""
+        return bool((self.speeds < LEAST).any())
 
     def parameters(self) -> Array:
         """What the law reads; see the module."""

@@ -18,9 +18,8 @@ import numpy as np
 from understudy.errors import InvalidValue, UnknownName
 from understudy.motion.rotations import Array
 
-# Speed [m/s] at which gains have their named values, and below which steps are those of starts
-# and stops.
-MIDDLE, SLOW = 3.5, 2.5
+# Speed [m/s] at which gains have their named values.
+MIDDLE = 3.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,38 +158,36 @@ _SLOPES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Schedule:
-    """Gains over speed: `gains` at `MIDDLE`, plus a slope for some, another below `SLOW`.
+    """Gains over speed: `gains` at `MIDDLE`, plus a slope for some.
 
     Attributes:
         gains: At 3.5 m/s.
         slopes: Change per m/s, by name of the gain.
-        slow: Change per m/s that the speed is below 2.5 m/s, the slopes ending there.
         origin: What made them: command, seed, evaluations.
         starts: Steady states to start from, by name; see `running.Running`.
     """
 
     gains: Gains = field(default_factory=Gains)
     slopes: Mapping[str, float] = field(default_factory=lambda: dict(_SLOPES))
-    slow: Mapping[str, float] = field(default_factory=dict)
     origin: Mapping[str, Any] = field(default_factory=dict)
     starts: tuple[Mapping[str, Any], ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
-        for name in (*self.slopes, *self.slow):
+        for name in self.slopes:
             if name not in NAMES:
                 raise UnknownName("gain", name, NAMES)
 
     def rows(self) -> Array:
-        """Values, slopes, slopes below `SLOW`, in the order of `NAMES`, shape (3, gains)."""
+        """Values, then slopes, in the order of `NAMES`, shape (2, gains)."""
         values = [getattr(self.gains, name) for name in NAMES]
-        slopes = [[by.get(name, 0.0) for name in NAMES] for by in (self.slopes, self.slow)]
-        return np.array([values, *slopes])
+        return np.array([values, [self.slopes.get(name, 0.0) for name in NAMES]])
 
     def at(self, speed: float) -> Gains:
         """The gains at a speed [m/s]."""
-        values, slopes, slow = self.rows()
-        values = values + slopes * (max(speed, SLOW) - MIDDLE) + slow * max(SLOW - speed, 0.0)
-        return replace(self.gains, **dict(zip(NAMES, values, strict=True)))
+        values, slopes = self.rows()
+        return replace(
+            self.gains, **dict(zip(NAMES, values + slopes * (speed - MIDDLE), strict=True))
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Plain values; `from_json` reads them."""
@@ -198,7 +195,6 @@ class Schedule:
             "origin": dict(self.origin),
             "gains": vars(self.gains).copy(),
             "slopes": dict(self.slopes),
-            "slow": dict(self.slow),
             "starts": [dict(start) for start in self.starts],
         }
 
@@ -208,7 +204,6 @@ class Schedule:
         return cls(
             gains=Gains(**saved["gains"]),
             slopes=dict(saved["slopes"]),
-            slow=dict(saved.get("slow", {})),
             origin=dict(saved.get("origin", {})),
             starts=tuple(saved.get("starts", ())),
         )

@@ -17,8 +17,11 @@ import mujoco
 import numpy as np
 
 from understudy.athletics import running_law as law
-from understudy.athletics.course import COURSE_MEMORY, Course
+from understudy.athletics import standing_law as stand
+from understudy.athletics.course import COURSE_MEMORY, HEADING, LEAST, Course
 from understudy.athletics.gains import NAMES, Gains, Schedule, shipped
+from understudy.athletics.standing import at_rest, standing_memory, standing_parameters
+from understudy.athletics.standing_gains import StandingSchedule, shipped_standing
 from understudy.character import Athlete, athlete
 from understudy.control.machine import SINCE
 from understudy.errors import InvalidValue
@@ -41,12 +44,14 @@ class Running:
     Attributes:
         course: Where to and how fast.
         schedule: Gains over speed; by default those that come with the package.
+        standing: Gains of starts and stops; the same.
         character: Which of the scene's characters.
         offset: Added to the place where the course begins [m]: x, y.
     """
 
     course: Course = field(default_factory=Course)
     schedule: Schedule = field(default_factory=shipped, repr=False)
+    standing: StandingSchedule = field(default_factory=shipped_standing, repr=False)
     character: int = 0
     offset: tuple[float, float] = (0.0, 0.0)
 
@@ -73,7 +78,10 @@ class Running:
         """Put the athlete on its course in a steady run, or in a made-up flight before one."""
         body, part = self.athlete(scene), scene.parts[self.character]
         place, heading, speed = self.course.start
-        qpos, qvel, _ = self._first(body, speed)
+        if speed < LEAST:
+            qpos, qvel = at_rest(body, self.standing.gains)
+        else:
+            qpos, qvel, _ = self._first(body, speed)
         turn = rot.from_rotvec(np.array([0.0, 0.0, heading]))
         qpos[:3] = rot.rotate(turn, qpos[:3])
         qpos[:2] += place + np.array(self.offset)
@@ -91,7 +99,11 @@ class Running:
         for k in (law.M_COURSE + 2, law.M_COURSE + 3):
             own[k - law.M_COURSE] = memory[k]
         memory = np.concatenate((memory[: law.M_COURSE], own))
-        return law.runner, self._parameters(scene, model), memory
+        parameters = self._parameters(scene, model)
+        if not self.course.stands:
+            return law.runner, parameters, memory
+        more = standing_memory(parameters, runs=speed >= LEAST, heading=own[HEADING])
+        return stand.athlete, parameters, np.concatenate((memory, more))
 
     def _parameters(self, scene: Scene, model: mujoco.MjModel) -> Array:
         body, part = self.athlete(scene), scene.parts[self.character]
@@ -110,7 +122,9 @@ class Running:
         ball = model.site(part.prefix + "left_ball").pos
         out[law.P_HEEL_X], out[law.P_HEEL_Z] = foot[0], body.sole_height
         out[law.P_FOOT] = ball[0] - foot[0]
-        return np.concatenate((out, self.schedule.rows().ravel(), self.course.parameters()))
+        upright = standing_parameters(body, part.bodies, out, self.standing.gains)
+        gains = (self.schedule.rows().ravel(), self.standing.row())
+        return np.concatenate((out, *gains, upright, self.course.parameters()))
 
     def _first(self, body: Athlete, speed: float) -> tuple[Array, Array, Array]:
         """Positions, velocities and memory at time zero, facing +x at the origin."""

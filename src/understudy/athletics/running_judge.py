@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from understudy.athletics import running_law as law
-from understudy.athletics.course import C_ROWS, C_TABLE, commanded, wrapped
+from understudy.athletics.course import C_ROWS, C_TABLE, LEAST, commanded, wrapped
 from understudy.athletics.running import Running
 from understudy.control.quaternion import orientation, turned
 from understudy.control.trajectory import bounded
@@ -90,7 +90,7 @@ class Judge:
         memory = np.zeros(SIZE)
         speed = self.running.course.start[2]
         memory[[SMOOTH_FORWARD, COMMAND, NEAREST, LOWEST]] = speed, speed, 1.0, 10.0
-        memory[LAST_TOUCHDOWN] = -1.0
+        memory[LAST_TOUCHDOWN] = -1e-9
         return watch, np.concatenate((out, own)), memory
 
 
@@ -100,17 +100,20 @@ def watch(time, state, ctrl, applied, p, m):  # type: ignore[no-untyped-def]
     dt = p[J_RUNNER + law.P_DT]
     _, _, up = turned(*orientation(state.xquat, pelvis), 0.0, 0.0, 1.0)
     height = state.xpos[pelvis, 2]
-    late = time - m[LAST_TOUCHDOWN] > 0.9 and time > 0.9
+    speed, heading, _ = commanded(time, p, at + C_TABLE, int(p[at + C_ROWS]))
+    if speed < LEAST:
+        # Nothing to count, and half a second more to begin.
+        m[LAST_TOUCHDOWN] = -time - 0.5
+    late = time - abs(m[LAST_TOUCHDOWN]) > 0.9
     # Written so that what is not a number counts as fallen.
     if not (0.6 < height < 1.5) or not up > 0.6 or late:
         m[FELL] = 1.0
     if m[FELL] != 0.0:
         return
     m[TIME] = time
-    speed, heading, _ = commanded(time, p, at + C_TABLE, int(p[at + C_ROWS]))
     m[COMMAND] += dt / 0.5 * (speed - m[COMMAND])
     _motion(state, p, m, dt, heading)
-    if time >= p[J_BEGIN]:
+    if time >= p[J_BEGIN] and speed >= LEAST:
         m[COUNTED] += dt
         _posture(state, ctrl, p, m, pelvis, dt, heading)
     m[HIGHEST] = max(m[HIGHEST], state.subtree_com[pelvis, 2])
@@ -224,7 +227,7 @@ def _touchdown(time, p, m, side, knee):  # type: ignore[no-untyped-def]
 
 
 def _toe_off(time, state, p, m, side, q):  # type: ignore[no-untyped-def]
-    if time >= p[J_BEGIN] + 0.3:
+    if time >= p[J_BEGIN] + 0.3 and m[LAST_TOUCHDOWN] > 0.0:
         stance = m[LAST + side] - m[SINCE + side]
         wanted = 0.25 - 0.032 * (m[COMMAND] - 2.5)
         m[STANCE] += max(0.0, abs(stance - wanted) - 0.01)

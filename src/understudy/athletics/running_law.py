@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 
-from understudy.athletics.course import followed_course
-from understudy.athletics.gains import MIDDLE, NAMES, SLOW
+from understudy.athletics.course import LEAD, MORE_DAMPING, MORE_LEAN, MORE_THRUST, followed_course
+from understudy.athletics.gains import MIDDLE, NAMES
+from understudy.athletics.standing_gains import SLOW, STANDING_NUMBERS
 from understudy.control.legs import (
     foothold,
     hip_torques,
@@ -41,7 +42,7 @@ LEFT, RIGHT = 0, 1
 GAINS = len(NAMES)
 
 # Parameters: the body and where it is in the engine's arrays, then gains, slopes, those
-# of slow steps, and the course.
+# of slow steps, what `standing_law` reads, and the course.
 # fmt: off
 (
     P_QPOS, P_QVEL, P_CTRL, P_SENSORS, P_PELVIS, P_DT, P_GRAVITY, P_WEIGHT, P_SCALE,
@@ -49,7 +50,8 @@ GAINS = len(NAMES)
 ) = range(15)
 # fmt: on
 P_GAINS = 15
-P_COURSE = P_GAINS + 3 * GAINS
+P_STANDING = P_GAINS + 3 * GAINS
+P_COURSE = P_STANDING + STANDING_NUMBERS
 
 # Memory: the machine's, then what follows, the gains at the present speed and the course's.
 # fmt: off
@@ -115,11 +117,14 @@ def attitude(state, p):  # type: ignore[no-untyped-def]
 
 
 def scheduled(p, m, speed):  # type: ignore[no-untyped-def]
-    """The gains at a speed."""
+    """The gains at a speed, with what a start or a stop changes of them."""
     more, less = max(speed, SLOW) - MIDDLE, max(SLOW - speed, 0.0)
     for k in range(GAINS):
         value = p[P_GAINS + k] + more * p[P_GAINS + GAINS + k]
         m[M_GAINS + k] = value + less * p[P_GAINS + 2 * GAINS + k]
+    m[M_GAINS + KNEE_DAMPING] += m[M_COURSE + MORE_DAMPING]
+    m[M_GAINS + THRUST_STIFFNESS] *= 1.0 + m[M_COURSE + MORE_THRUST]
+    m[M_GAINS + PITCH] += m[M_COURSE + MORE_LEAN]
 
 
 # -- the state machine (figure 3) --------------------------------------------------------------
@@ -205,6 +210,7 @@ def touchdown_place(time, p, m, velocity, wanted):  # type: ignore[no-untyped-de
     speed, side_speed, error, turning, forward = wanted
     x = 0.5 * (m[STANCE] * vx - p[P_FOOT])
     x += m[M_GAINS + SPEED_PLACE] * (vx - speed * math.cos(error)) + m[M_GAINS + PLACE_AHEAD]
+    x -= m[M_COURSE + LEAD]
     # Ground speed matching: the leg reaches too far and comes back just before it touches.
     passed = bounded((time - m[LIFTOFF]) / m[FLIGHT_TIME], 0.0, 1.4)
     x += m[M_GAINS + SPEED_MATCHING] * (1.0 - passed)
