@@ -40,6 +40,7 @@ SERVOS = ("stiff", "soft")
 
 # Zordan & Hodgins 1999, section 3: "Damping gains are one-tenth of the corresponding stiffness".
 PAPER_DAMPING_TIME = 0.1
+_EARLY = 0.1  # What tells the velocity at the start [s].
 # Natural frequencies of the root servo [rad/s], along the ground, upward, and in rotation: a led
 # pelvis follows its path closely; an assisted one gives way, so that the feet carry the body.
 ROOT_FREQUENCY = {
@@ -208,11 +209,18 @@ class Tracking:
         )
 
     def start(self, scene: Scene, data: mujoco.MjData) -> None:
-        """Begin in the reference's first pose, at its velocity."""
+        """Begin in the reference's first pose, at its velocity.
+
+        At its very start a spline through a captured clip says more of noise than of the velocity,
+        so that is the line through the first tenth of a second.
+        """
         part = scene.parts[self.character]
-        first = sampled(self.reference, np.zeros(1), interpolation=self.interpolation)
+        early = np.arange(min(self.reference.frames, 1 + round(_EARLY * self.reference.rate)))
+        times = early / self.reference.rate
+        first = sampled(self.reference, times, interpolation=self.interpolation)
         data.qpos[part.qpos] = first.qpos()[0]
-        data.qvel[part.dofs] = first.qvel()[0]
+        line = np.polyfit(times, first.qvel(), min(1, len(times) - 1))
+        data.qvel[part.dofs] = line[-1]
 
     def controls(self, scene: Scene, model: mujoco.MjModel, times: Array) -> Controls:
         """Commanded orientations and root path for every step."""
