@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 
-import numpy as np
 import pytest
 
 import understudy as us
-from understudy.app import athlete
+from understudy.app import athlete, athlete_told
 from understudy.app.main import main
-from understudy.errors import InvalidValue
 
 
 def test_a_run_is_written_measured_and_can_be_read_again(tmp_path, capsys):
@@ -44,7 +42,7 @@ def test_several_run_in_lanes_each_with_files_of_its_own(tmp_path, capsys):
 def test_a_clip_is_laid_on_the_upper_body(tmp_path, capsys):
     words = ["athlete", "running", "--upper", "sample:gesture", "--seconds", "2"]
     assert main([*words, "--out", str(tmp_path)]) == 0
-    assert "upper hands mm" in capsys.readouterr().out
+    assert "upper hands [mm]" in capsys.readouterr().out
     saved = json.loads((tmp_path / "running.json").read_text())
     assert saved["upper"]["clip"] == "gesture" and saved["upper"]["joint_error_deg"] < 3.0
 
@@ -68,14 +66,56 @@ def test_a_fall_is_said_and_the_take_ends_there(tmp_path, capsys):
     assert main([*words, "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert 1.0 < found["fell_at_s"] < 3.0
+    assert found["error"] == found["notes"][0] and found["status"] == 1
+    assert found["error"].startswith(f"Fell at {found['fell_at_s']:.2f} s;")
+    assert "the push of 900 N s at 1 s" in found["error"]
 
 
-def test_a_path_is_read_from_a_file(tmp_path):
+def test_a_run_too_short_to_measure_shows_no_figures_and_says_so(tmp_path, capsys):
+    words = ["athlete", "running", "--speed", "10", "--seconds", "0.5", "--out", str(tmp_path)]
+    assert main(words) == 1
+    shown = capsys.readouterr().out
+    assert "Fell at 0.32 s; likely because of a speed of 10 m/s (measured: 2.5 to 5)." in shown
+    assert "Too few steps" in shown and "nan" not in shown
+    saved = json.loads((tmp_path / "running.json").read_text())
+    empty = {"mean_speed_m_s", "stance_s", "steps_per_s", "legs_apart_least_m", "trunk_lean_deg"}
+    assert {saved[name] for name in empty} == {None}
+    assert any("no gait page" in note for note in saved["notes"])
+
+
+def test_a_corner_that_cannot_be_followed_is_said(tmp_path, capsys):
     file = tmp_path / "path.txt"
-    file.write_text("# a corner\n0 0\n10 0\n10, 10\n")
-    course = athlete._course(athlete.Options(behavior="running", path=str(file)))
-    assert course.path == pytest.approx(np.array([[0, 0], [10, 0], [10, 10]]))
-    assert not course.closed
+    file.write_text("0 0\n2 0\n2 20\n")
+    words = ["athlete", "running", "--path", str(file), "--seconds", "3", "--out", str(tmp_path)]
+    assert main([*words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    (note,) = found["notes"]
+    assert note.startswith(f"Ran up to {found['off_path_most_m']:.1f} m off the path")
+    assert "near (2, 0)" in note and "needs 10.0 m" in note
+
+
+@pytest.mark.parametrize(
+    ("name", "label"),
+    [
+        ("mean_speed_m_s", "mean speed [m/s]"),
+        ("steps_per_s", "steps [1/s]"),
+        ("peak_force_body_weights", "peak force [body weights]"),
+        ("upper_hands_mm", "upper hands [mm]"),
+        ("character", "character"),
+    ],
+)
+def test_a_name_is_shown_as_words_with_a_unit(name, label):
+    assert athlete_told.label(name) == label
+
+
+def test_what_holds_for_all_runners_is_said_once():
+    shared = "6 m/s lies outside."
+    found = [
+        {"character": "man", "notes": ["Fell at 1.00 s.", shared]},
+        {"character": "woman", "notes": [shared]},
+    ]
+    lines = athlete_told.summary(found, {}).splitlines()
+    assert lines.count(shared) == 1 and "a, man: Fell at 1.00 s." in lines
 
 
 def test_on_a_path_speed_and_distance_are_the_paths(tmp_path, capsys):
@@ -88,19 +128,11 @@ def test_on_a_path_speed_and_distance_are_the_paths(tmp_path, capsys):
     assert found["off_path_most_m"] < 0.3 and found["heading_rms_deg"] is None
 
 
-def test_speeds_and_headings_over_time_share_one_table():
-    options = athlete.Options(behavior="running", speed="0:2.5,4:5", heading="0:0,2:90")
-    course = athlete._course(options)
-    assert course.times.tolist() == [0.0, 2.0, 4.0]
-    assert course.speeds == pytest.approx([2.5, 3.75, 5.0])
-    assert np.degrees(course.headings) == pytest.approx([0.0, 90.0, 90.0])
-
-
 def test_standing_before_and_after_a_run_are_steps_of_the_speed():
     options = athlete.Options(
         behavior="running", speed="0:3,4:4", seconds=12.0, start="standing", stop=True
     )
-    course = athlete._course(options)
+    course = athlete.asked_course(options)
     assert course.stands and course.start[2] == 0.0
     assert course.speeds.tolist() == [0.0, 0.0, 3.0, 4.0, 4.0, 0.0]
     assert course.times[:2].tolist() == [0.0, 1.0]
@@ -119,12 +151,6 @@ def test_a_start_and_a_stop_are_measured(tmp_path, capsys):
     assert found["fell_at_s"] is None
     assert 1.0 < found["start_s"] < 6.0 and found["start_m"] < 12.0
     assert found["stop_m"] < 7.0 and found["residual_speed_m_s"] < 0.1
-
-
-@pytest.mark.parametrize("word", ["fast", "0:2.5,4", "1:2:3"])
-def test_a_speed_that_is_none_says_what_it_may_be(word):
-    with pytest.raises(InvalidValue, match="--speed"):
-        athlete._course(athlete.Options(behavior="running", speed=word))
 
 
 def test_training_writes_gains_with_the_command_that_made_them(tmp_path, capsys):

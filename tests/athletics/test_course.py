@@ -37,6 +37,7 @@ def test_a_path_begins_at_its_first_point_with_its_heading():
         ({"times": [0.0, 0.0], "speeds": [1.0, 1.0], "headings": [0.0, 0.0]}, "increase"),
         ({"path": [[0.0, 0.0]]}, "two points"),
         ({"turning": 0.0}, "positive"),
+        ({"speeds": [-1.0]}, "0 m/s or more"),
     ],
 )
 def test_a_course_that_cannot_be_run_says_why(given, word):
@@ -59,6 +60,13 @@ def test_how_far_away_a_place_is():
     assert square.away(places) == pytest.approx([0.5, np.sqrt(2.0), 0.25])
     with pytest.raises(InvalidValue, match="no path"):
         Course.steady(3.5).away(places)
+
+
+def test_places_past_the_end_of_an_open_path_are_none_of_it():
+    places = [[1.0, 0.0], [4.0, 3.0], [4.2, 3.9], [4.0, 4.5], [4.0, 9.0]]
+    corner = [[0, 0], [4, 0], [4, 4]]
+    assert Course.along(corner, 3.5).ended(places) == 3
+    assert Course.along(corner, 3.5, closed=True).ended(places) == 5
 
 
 def test_a_lane_that_would_fold_on_itself_is_refused():

@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from tyro.conf import Positional, arg
 
-from understudy.app.outcome import Outcome, plain, table
+from understudy.app.athlete_told import error_of, figures, notes, summary
+from understudy.app.courses import course_from, numbers
+from understudy.app.outcome import Outcome, plain
 from understudy.app.performing import ready, staged
 from understudy.app.reading import Reading, clip_from
-from understudy.errors import InvalidValue, UnderstudyError
+from understudy.errors import InvalidValue
 
 if TYPE_CHECKING:
     from understudy.athletics.course import Course
     from understudy.character import Athlete
+    from understudy.control import Push
     from understudy.evaluate.gait import Gait
     from understudy.evaluate.measure import Measured
     from understudy.motion.clip import Clip
@@ -29,7 +32,7 @@ EXAMPLE = """\
   understudy athlete running --speed 0:2.5,8:5,16:2.5 --seconds 20 --stills
   understudy athlete running --start standing --stop --speed 3.5 --seconds 12
   understudy athlete running --path track-400m --speed 4 --seconds 110
-  understudy athlete running --heading 0:0,5:0,8.1:90 --push 12:0,70 --seconds 16
+  understudy athlete running --heading 0:0,5:0,9.5:90 --push 12:0,70 --seconds 16
   understudy athlete running --runners 4 --character mixed --stills
   understudy athlete running --upper sample:gesture --seconds 8"""
 
@@ -39,9 +42,6 @@ _LANE, _LANES = 1.22, 8
 _HEIGHTS = (1.0, 0.98, 1.02, 0.96, 1.03, 0.99, 0.97, 1.01)
 # A gait is measured from then on [s], or from a third of a shorter run.
 _SETTLED = 2.0
-# How long it stands before a run, a step in the speed [s]; how fast a stop brakes [m/s^2], and how
-# long it stands after it [s].
-_STANDS, _AT_ONCE, _BRAKES, _SETTLES = 1.0, 0.01, 1.5, 2.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +73,7 @@ class Options:
         timestep: Physics step [s].
         name: Stem of the files.
         out: Folder for the files.
-        stills: Also NAME.png, poses from the side.
+        stills: Also NAME.png, a sheet of poses.
         video: Also NAME.mp4.
         json: Print one JSON object.
     """
@@ -126,11 +126,12 @@ def run(options: Options) -> Outcome:
     measures = measured(take)
     for k, (one, runner) in enumerate(zip(found, alone, strict=True)):
         one |= _on_path(take, k, runner) | _beside_people(measures, k) | _layered(take, k)
+        one["notes"] = _notes(options, one, runner, k)
     with staged(options.out, options.name) as (folder, files):
         _write(options, take, found, measures, captured, folder)
-    result = found[0] if len(found) == 1 else {"runners": found}
+    result = (found[0] if len(found) == 1 else {"runners": found}) | {"files": files}
     return Outcome(
-        result=result | {"files": files}, text=_summary(found, files), status=1 if falls else 0
+        result=result | error_of(found), text=summary(found, files), status=1 if falls else 0
     )
 
 
@@ -174,18 +175,14 @@ def _layered(take: Take, character: int) -> dict[str, Any]:
 
 def _performances(options: Options) -> list[Performance]:
     """Each runner alone."""
-    from understudy.control import Push
     from understudy.performance import running
     from understudy.scene import Ground
 
     if not 1 <= options.runners <= _LANES:
         raise InvalidValue(f"--runners is {options.runners}; it must be 1 to {_LANES}.")
     upper = None if options.upper is None else clip_from(options.upper, Reading())
-    pushes = []
-    for word in options.push:
-        time, forward, left = _numbers("--push", word, "TIME:FORWARD,LEFT", 3)
-        pushes.append(Push(time=time, impulse=(forward, left, 0.0)))
-    course = _course(options)
+    pushes = _pushes(options)
+    course = asked_course(options)
     return [
         running(
             body,
@@ -198,6 +195,28 @@ def _performances(options: Options) -> list[Performance]:
         )
         for k, body in enumerate(_bodies(options))
     ]
+
+
+def _pushes(options: Options) -> list[Push]:
+    from understudy.control import Push
+
+    out = []
+    for word in options.push:
+        time, forward, left = numbers("--push", word, "TIME:FORWARD,LEFT", 3)
+        out.append(Push(time=time, impulse=(forward, left, 0.0)))
+    return out
+
+
+def asked_course(options: Options) -> Course:
+    """Where the first runner is to go."""
+    return course_from(
+        speed=options.speed,
+        heading=options.heading,
+        path=options.path,
+        seconds=options.seconds,
+        standing=options.start == "standing",
+        stop=options.stop,
+    )
 
 
 def _bodies(options: Options) -> list[Athlete]:
@@ -223,7 +242,7 @@ def _judged(options: Options, performance: Performance) -> dict[str, Any]:
     (running, *_) = performance.controllers
     assert isinstance(running, Running)
     seen, _ = judged(performance, Judge(running=running))
-    found = _figures(options, performance.scene.characters[0], report(seen))
+    found = figures(options.behavior, performance.scene.characters[0], report(seen))
     if not running.course.stands:
         return found
     memory, _ = judged(performance, Recorder(running=running, seconds=performance.duration))
@@ -242,11 +261,12 @@ def _on_path(take: Take, character: int, alone: Performance) -> dict[str, Any]:
     first = take.scene.parts[character].qpos.start
     places = take.qpos[:: take.stride(4.0), first : first + 2]
     length = sum(math.hypot(*step) for step in (places[1:] - places[:-1]).tolist())
+    seconds = (len(places) - 1) * take.stride(4.0) / take.rate
     return {
-        "mean_speed_m_s": length * take.rate / (take.stride(4.0) * max(len(places) - 1, 1)),
+        "mean_speed_m_s": length / seconds if seconds > 0.0 else None,
         "heading_rms_deg": None,
         "trunk_lean_deg": None,
-        "off_path_most_m": float(course.away(places).max()),
+        "off_path_most_m": float(course.away(places[: course.ended(places)]).max()),
     }
 
 
@@ -268,140 +288,20 @@ def _beside_people(measures: Measured, character: int) -> dict[str, Any]:
     return {f"{name}_curve_correlation": curves[name].correlation for name in ("hip", "knee")}
 
 
-def _course(options: Options) -> Course:
-    import numpy as np
-
-    from understudy.athletics.course import Course, track_400m
-
-    speeds, headings = _speeds(options), _steps("--heading", options.heading)
-    times = sorted({time for time, _ in (*speeds, *headings)})
-    rows = [
-        np.interp(times, [time for time, _ in steps], [value for _, value in steps])
-        for steps in (speeds, headings)
-    ]
-    path, closed = np.zeros((0, 2)), False
-    if options.path == "track-400m":
-        path, closed = track_400m(), True
-    elif options.path is not None:
-        path = _points(Path(options.path))
-        closed = len(path) > 3 and bool(np.linalg.norm(path[0] - path[-1]) < 1.0)
-        path = path[:-1] if closed else path
-    return Course(
-        times=np.array(times),
-        speeds=rows[0],
-        headings=np.radians(rows[1]),
-        path=path,
-        closed=closed,
+def _notes(options: Options, found: dict[str, Any], alone: Performance, number: int) -> list[str]:
+    """What is to be said of one runner beside the figures."""
+    (running, *_) = alone.controllers
+    return notes(
+        found,
+        running.course,  # type: ignore[union-attr]
+        options.seconds,
+        pushes=_pushes(options) if number == 0 else (),
+        friction=options.friction,
+        upper=options.upper is not None,
     )
-
-
-def _speeds(options: Options) -> list[tuple[float, float]]:
-    """The speeds asked for, with standing before and after where that is wanted."""
-    speeds = _steps("--speed", options.speed)
-    if options.start == "standing":
-        late = [(time, speed) for time, speed in speeds if time > _STANDS + _AT_ONCE]
-        speeds = [(0.0, 0.0), (_STANDS, 0.0), (_STANDS + _AT_ONCE, speeds[0][1]), *late]
-    if options.stop:
-        last = speeds[-1][1]
-        stop = options.seconds - last / _BRAKES - _SETTLES
-        if stop <= speeds[-1][0]:
-            raise InvalidValue(
-                f"--seconds is {options.seconds:g}; with --stop it must be over "
-                f"{speeds[-1][0] + options.seconds - stop:.1f}."
-            )
-        speeds += [(stop, last), (stop + _AT_ONCE, 0.0)]
-    return speeds
-
-
-def _steps(option: str, word: str) -> list[tuple[float, float]]:
-    """One number, or TIME:NUMBER,TIME:NUMBER,..."""
-    if ":" not in word:
-        return [(0.0, _numbers(option, word, "a number", 1)[0])]
-    return [
-        tuple(_numbers(option, part, "TIME:NUMBER,TIME:NUMBER,...", 2))  # type: ignore[misc]
-        for part in word.split(",")
-    ]
-
-
-def _numbers(option: str, word: str, form: str, count: int) -> list[float]:
-    try:
-        found = [float(part) for part in word.replace(":", ",").split(",")]
-    except ValueError:
-        found = []
-    if len(found) != count:
-        raise InvalidValue(f"{option} is {word!r}; it must be {form}.")
-    return found
-
-
-def _points(file: Path) -> Any:
-    import numpy as np
-
-    try:
-        rows = [
-            [float(number) for number in line.replace(",", " ").split()]
-            for line in file.read_text(encoding="utf-8").splitlines()
-            if line.strip() and not line.startswith("#")
-        ]
-    except (ValueError, UnicodeDecodeError) as error:
-        raise UnderstudyError(f"{file}: a line is not X Y in meters ({error}).") from None
-    if len(rows) < 2 or any(len(row) != 2 for row in rows):
-        raise UnderstudyError(f"{file}: needs two lines or more, each with X and Y in meters.")
-    return np.array(rows)
 
 
 def _until(performance: Performance, time: float) -> Performance:
     from dataclasses import replace
 
     return replace(performance, duration=max(time, performance.scene.timestep))
-
-
-def _figures(options: Options, body: Any, seen: dict[str, float]) -> dict[str, Any]:
-    """What was measured, by name with its unit."""
-    step = seen["mean_period"]
-    degrees = {
-        "knee_at_touchdown_deg": seen["mean_landing_knee"],
-        "knee_in_swing_deg": seen["mean_swing_knee"],
-        "plantarflexion_at_toe_off_deg": seen["mean_plantarflexion"],
-        "trunk_lean_deg": seen["mean_lean"],
-        "heading_rms_deg": math.sqrt(seen["heading"]),
-    }
-    return {
-        "behavior": options.behavior,
-        "character": body.name.removeprefix("athlete_"),
-        "height_m": body.height,
-        "mass_kg": body.mass,
-        "fell_at_s": seen["time"] if seen["fell"] else None,
-        "mean_speed_m_s": seen["mean_speed"],
-        "stance_s": seen["mean_stance"],
-        "flight_s": step - seen["mean_stance"],
-        "steps_per_s": 1.0 / step if step > 0 else math.nan,
-        "vertical_travel_m": seen["mean_travel"],
-        "peak_force_body_weights": seen["mean_peak"],
-        "impact_body_weights": seen["mean_impact"],
-        "legs_apart_least_m": seen["nearest"],
-        **{name: math.degrees(value) for name, value in degrees.items()},
-    }
-
-
-def _summary(found: list[dict[str, Any]], files: dict[str, str]) -> str:
-    several = [str(one["character"]) for one in found]
-    rows: list[tuple[str, ...]] = [("measured", *(several if len(found) > 1 else ["value"]))]
-    found = [one | _flat(one.get("upper")) for one in found]
-    for name in found[0]:
-        none = "no" if name == "fell_at_s" else "-"
-        rows.append((name.replace("_", " "), *(_shown(one[name], none) for one in found)))
-    listed = [f"  {path}" for path in files.values()]
-    return "\n".join([table(rows, right=range(1, len(rows[0]))), "", "files:", *listed])
-
-
-def _flat(upper: dict[str, Any] | None) -> dict[str, Any]:
-    """The layer's figures as rows of their own."""
-    if upper is None:
-        return {}
-    return {"upper": upper["clip"]} | {
-        f"upper_{name}": upper[name] for name in ("joint_error_deg", "hands_mm")
-    }
-
-
-def _shown(value: Any, none: str) -> str:
-    return f"{value:.3f}" if isinstance(value, float) else none if value is None else str(value)

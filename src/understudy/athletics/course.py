@@ -192,6 +192,8 @@ class Course:
         set_(self, "path", frozen_array(self.path, (None, 2), "path"))
         if not rows[0] or (np.diff(self.times) <= 0).any():
             raise InvalidValue(f"times is {self.times.tolist()}; it must increase.")
+        if (self.speeds < 0.0).any():
+            raise InvalidValue(f"speeds is {self.speeds.tolist()}; each must be 0 m/s or more.")
         if len(self.path) == 1 or (np.linalg.norm(np.diff(self.path, axis=0), axis=1) == 0).any():
             raise InvalidValue("The path needs two points or more, each apart from the next.")
         for name in ("acceleration", "turning", "bending"):
@@ -218,7 +220,7 @@ class Course:
         right = np.array([np.sin(heading), -np.cos(heading)])
         if not len(self.path):
             return replace(self, begin=self.begin + distance * right)
-        rows = self._points()
+        rows = self.sampled()
         shift = np.column_stack((np.sin(rows[:, 2]), -np.cos(rows[:, 2])))
         path = rows[:, :2] + distance * shift
         if (np.einsum("ki,ki->k", np.diff(path, axis=0), np.diff(rows[:, :2], axis=0)) <= 0).any():
@@ -247,12 +249,25 @@ class Course:
             out.append(float(np.linalg.norm(place - near, axis=1).min()))
         return np.array(out)
 
+    def ended(self, places: ArrayLike) -> int:
+        """How many of the places, in the order of time, come before the end of an open path.
+
+        Args:
+            places: World x and y [m], shape (n, 2).
+        """
+        given = np.asarray(places, float)
+        if not len(self.path) or self.closed:
+            return len(given)
+        ahead = (given - self.path[-1]) @ (self.path[-1] - self.path[-2]) > 0.0
+        past = ahead & np.isclose(self.away(given), np.linalg.norm(given - self.path[-1], axis=1))
+        return max(int(np.argmax(past)), 1) if past.any() else len(given)
+
     @property
     def start(self) -> tuple[Array, float, float]:
         """Where it begins [m], shape (2,), with what heading [rad] and speed [m/s]."""
         if not len(self.path):
             return self.begin, float(self.headings[0]), float(self.speeds[0])
-        rows = self._points()
+        rows = self.sampled()
         return rows[0, :2], float(rows[0, 2]), float(self.speeds[0])
 
     @property
@@ -268,7 +283,7 @@ class Course:
         head[C_SPEED_GAIN], head[C_SIDE_GAIN] = 0.5, 0.25
         head[C_PATH_GAIN], head[C_PATH_SUM] = 0.20, 0.05
         table = np.stack((self.times, self.speeds, self.headings), axis=1)
-        points = self._points()
+        points = self.sampled()
         head[C_ROWS], head[C_POINTS], head[C_CLOSED] = len(table), len(points), self.closed
         return np.concatenate((head, table.ravel(), points.ravel()))
 
@@ -280,8 +295,8 @@ class Course:
         out[HEADING] = heading
         return out
 
-    def _points(self) -> Array:
-        """Points at even distances with the heading there, shape (points, 3)."""
+    def sampled(self) -> Array:
+        """The path at even distances: x, y [m] and heading [rad], shape (points, 3)."""
         if not len(self.path):
             return np.zeros((0, 3))
         path = np.vstack((self.path, self.path[:1])) if self.closed else self.path
