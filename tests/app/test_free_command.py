@@ -55,11 +55,43 @@ def test_the_take_file_performs_again_bit_for_bit_and_can_be_pushed(freely):
     assert following(pushed).lost_s is None
 
 
-def test_a_search_of_another_clip_is_not_gone_on_with(freely, tmp_path, capsys):
-    other = tmp_path / "wave.bvh"
-    us.write(us.sample("gesture").trimmed(2.0, 2.4).resampled(60.0), other)
-    assert main(["track", str(other), "--pelvis", "free", "--out", str(freely)]) == 2
-    assert "belongs to another search" in capsys.readouterr().err
+def test_what_the_search_cost_is_told_again(freely, short):
+    def cost():
+        saved = json.loads((freely / "wave.json").read_text(encoding="utf-8"))
+        return saved["timing"]["search_cpu_seconds"]
+
+    before = cost()
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(freely)]) == 0
+    assert 0.9 * before < cost() < before + 5.0
+
+
+@pytest.mark.parametrize("damaged", [False, True])
+def test_a_search_of_another_clip_or_damaged_is_begun_anew(damaged, short, tmp_path, capsys):
+    search = tmp_path / "wave.seed0.search"
+    if damaged:
+        search.write_text("nothing of the kind")
+    else:
+        np.savez(tmp_path / "other.npz", text=np.array('{"search": {"seed": 7}}'))
+        (tmp_path / "other.npz").rename(search)
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().err.strip().endswith("the search begins anew.")
+    assert search.read_bytes()[:2] == b"PK" and search.stat().st_size > 10_000
+
+
+def test_a_clip_performed_in_part_is_written_and_said_in_one_line(
+    short, tmp_path, capsys, monkeypatch
+):
+    clip = us.read(short)
+    part = us.track(clip, us.Character.from_clip(clip))
+    assert part.performance is not None
+    half = simulate(replace(part.performance, duration=0.5 * clip.duration))
+    monkeypatch.setattr(us, "track", lambda *_, **__: half)
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(tmp_path)]) == 1
+    told = capsys.readouterr()
+    assert "wave: performed until" in told.err and told.err.count("\n") == 1
+    saved = json.loads((tmp_path / "wave.json").read_text(encoding="utf-8"))
+    assert not saved["characters"][0]["following"]["whole"]
+    assert (tmp_path / "wave.take.npz").exists()
 
 
 @pytest.mark.parametrize(
@@ -69,7 +101,8 @@ def test_a_search_of_another_clip_is_not_gone_on_with(freely, tmp_path, capsys):
         (["--pelvis", "assisted", "--budget", "9"], "--budget is for --pelvis free"),
         (["--pelvis", "free", "--budget", "0"], "--budget is 0"),
         (["--pelvis", "free", "--seeds", "-1"], "--seeds is -1"),
-        (["--pelvis", "free", "--plan", "upper"], "legs"),
+        (["--pelvis", "free", "--plan", "upper"], "--plan upper leaves the legs out"),
+        (["--pelvis", "free", "--seed", "-1"], "seed is -1; it must be a whole number from 0 on"),
     ],
 )
 def test_what_cannot_be_searched_is_said_in_one_line(words, expected, short, tmp_path, capsys):

@@ -133,6 +133,34 @@ def test_a_stopped_search_goes_on_where_it_was(
         freed(servos, effort=SMALL, checkpoint=file)
 
 
+@pytest.mark.parametrize("seed", [-1, 1.5, True])
+def test_a_seed_is_a_whole_number_from_0_on(servos: Performance, seed: int) -> None:
+    with pytest.raises(InvalidValue, match=f"seed is {seed}; it must be a whole number"):
+        freed(servos, seed=seed)
+
+
+def test_one_frame_is_nothing_to_perform(clip: Clip) -> None:
+    with pytest.raises(InvalidValue, match="must have at least 2"):
+        track(clip.trimmed(0.0, 0.001), us.Character.from_clip(clip), pelvis="free")
+
+
+def test_where_no_run_comes_to_the_end_the_farthest_is_kept(
+    clip: Clip, servos: Performance, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from understudy.free_tracking.passes import OnePass
+
+    least, file = OnePass.reached, tmp_path / "search.npz"
+    monkeypatch.setattr(OnePass, "reached", property(lambda one: min(10, least.fget(one))))  # type: ignore
+    once = replace(SMALL, passes=1)
+    found = freed(servos, effort=once, checkpoint=file)
+    assert 0.5 <= found.duration <= clip.duration
+    resumed = freed(servos, effort=once, checkpoint=file)
+    assert np.array_equal(guidance_of(resumed).offsets, guidance_of(found).offsets)
+    take = simulate(found)
+    score = us.score(take)
+    assert score.joint_position_mm is not None and score.joint_position_mm < 100.0
+
+
 def test_a_loaded_take_is_performed_again(take: Take, tmp_path: Path) -> None:
     us.write(take, tmp_path / "walk.take.npz")
     read = us.load_take(tmp_path / "walk.take.npz")

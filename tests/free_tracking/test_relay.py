@@ -91,6 +91,8 @@ class Scripted:
         self.ladder = SimpleNamespace(free=False)
         self.best: Guidance | None = None
         self.states: States | None = None
+        self.fallen: Guidance | None = None
+        self.fallen_states: States | None = None
 
     def passes(self, told: Any) -> Iterator[None]:
         windows, newtons = len(self.borders) - 1, Scripted.script.pop(0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -42,8 +43,6 @@ def freed(
     Raises:
         UnderstudyError: No seed came to the end of the clip; the first one's reason.
     """
-    import understudy as us
-
     made = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
     best, reason, tried = None, None, 0
@@ -53,7 +52,7 @@ def freed(
             tried += 1
             kept = checkpoint(folder, name, seed)
             try:
-                take = us.track(clip, character, **{**settings, "seed": seed, "checkpoint": kept})
+                take = _tracked(clip, character, {**settings, "seed": seed, "checkpoint": kept})
             except InvalidValue:
                 raise
             except UnderstudyError as error:
@@ -72,6 +71,23 @@ def freed(
     if seeds > 1:
         best.facts["seeds_tried"] = tried
     return best
+
+
+def _tracked(clip: Clip, character: Character, settings: Mapping[str, Any]) -> Take:
+    """The take of one seed; a search on disk that is damaged or of another clip is begun anew."""
+    import understudy as us
+    from understudy.free_tracking import UnusableSearch
+
+    try:
+        return us.track(clip, character, **settings)
+    except UnusableSearch:
+        kept = settings["checkpoint"]
+        print(
+            f"{kept}: was damaged or of another clip or other options; the search begins anew.",
+            file=sys.stderr,
+        )
+        kept.unlink()
+        return us.track(clip, character, **settings)
 
 
 def badness(take: Take) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import tempfile
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -122,11 +122,18 @@ def performed(job: Job) -> Row:
     return Row(
         clip=job.clip,
         name=job.name,
+        status=int(cut_short(found)),
         certificate=found,
         files=files,
         notes=() if reference is None else reference.notes,
         wall_s=time.monotonic() - started,
     )
+
+
+def cut_short(certificate: Mapping[str, Any]) -> bool:
+    """Whether a clip was performed, but not to its end."""
+    followed = certificate["characters"][0]["following"]
+    return bool(followed) and not followed["whole"]
 
 
 def taken(clip: Clip, character: Character, job: Job) -> Take:

@@ -16,7 +16,7 @@ from tyro.conf import Positional, arg
 
 from understudy.app.body import Body, check_body
 from understudy.app.outcome import Interrupted, Outcome, table
-from understudy.app.performing import Job, Row, attempted, ready, spared, status
+from understudy.app.performing import Job, Row, attempted, cut_short, ready, spared, status
 from understudy.app.reading import Reading, expanded, inputs, stem
 from understudy.app.workers import each
 from understudy.errors import InvalidValue
@@ -28,7 +28,8 @@ EXAMPLE = """\
 
 MISSING = """\
 missing: the force that the clip needs and the ground cannot give, root mean square, in % of body
-weight. Up to 7: it will stand free; up to 20: it may; more: it cannot, as the scene is."""
+weight. Up to 7: nearly all such clips stand free; up to 20: many; more: seldom one, as the scene
+is."""
 
 HELP_FROM_ABOVE = """\
 help: outside force on the pelvis, mean / peak, in % of body weight. 0: nothing but contact holds
@@ -58,7 +59,7 @@ class Options(Body, Reading):
         pelvis: led along its path (usual without legs), assisted softly (usual), or free: nothing
             holds it, and how to stay on its feet is searched.
         seeds: With a free pelvis: seeds to try from --seed on, until one needs no help.
-        budget: With a free pelvis: most seconds each search may take.
+        budget: With a free pelvis: most seconds each search may take, once compiled.
         stiffness: Servo stiffness per inertia [1/s^2].
         torque_limits: Bound every joint by human strength (usual with a free pelvis), or not.
         self_collision: Let the arms touch trunk and legs (pairs), or not.
@@ -138,6 +139,10 @@ def check_search(options: Options) -> None:
     Raises:
         InvalidValue: Says which.
     """
+    if options.pelvis == "free" and options.plan.startswith("upper"):
+        raise InvalidValue(
+            f"--plan {options.plan} leaves the legs out; only a body with legs can be free."
+        )
     for name, value in (("seeds", options.seeds), ("budget", options.budget)):
         if value is None:
             continue
@@ -178,6 +183,8 @@ def _collect(jobs: Sequence[Job], count: int, rows: dict[int, Row]) -> None:
                 print(f"[{len(rows)}/{len(jobs)}] {row.name}: {summary(row)}", file=sys.stderr)
             elif row.error:
                 print(f"understudy track: {row.error}", file=sys.stderr)
+            elif early(row):
+                print(f"understudy track: {until(row)}", file=sys.stderr)
 
 
 def jobs_for(options: Options) -> list[Job]:
@@ -292,10 +299,16 @@ def free(rows: Sequence[Row]) -> bool:
 
 def early(row: Row) -> bool:
     """Whether a clip was performed, but not to its end."""
-    if row.error:
-        return False
+    return not row.error and cut_short(row.certificate)
+
+
+def until(row: Row) -> str:
+    """Of a clip performed in part: one line on how far."""
     followed = row.certificate["characters"][0]["following"]
-    return bool(followed) and not followed["whole"]
+    return (
+        f"{row.name}: performed until {followed['duration_s']:.1f} of {followed['clip_s']:.1f} s; "
+        "no run that was tried came farther. Try another seed or a longer budget."
+    )
 
 
 def figures(row: Row, head: Sequence[str] = HEAD) -> tuple[str, ...]:

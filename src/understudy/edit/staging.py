@@ -113,6 +113,11 @@ def _alone(edit: Edit) -> list[Performance]:
     found: list[Performance] = []
     free = [_nothing_holds(said) for said in edit.character]
     for k, said in enumerate(edit.character):
+        if free[k] and said.plan.startswith("upper"):
+            raise edit.source.error(
+                ("character", k, "plan"),
+                f"plan {said.plan!r} leaves the legs out; only a body with legs can be free.",
+            )
         motion, body = motion_of(edit, k)
         pelvis = said.pelvis or next((t.pelvis for t in said.task if t.pelvis), None)
         step = found[0].scene.timestep if found else edit.timestep

@@ -4,6 +4,7 @@ In: a clip and a character, or a performance with a free pelvis. Out: the perfor
 `Guidance`, found by sampling and fitted linear-quadratic regulators, and its take.
 """
 
+from understudy.free_tracking.checkpoint import UnusableSearch
 from understudy.free_tracking.free import freed, guided, perform, track
 from understudy.free_tracking.passes import Effort
 from understudy.free_tracking.relay import Relay
@@ -16,6 +17,7 @@ __all__ = [
     "Pass",
     "Relay",
     "Search",
+    "UnusableSearch",
     "freed",
     "guided",
     "perform",

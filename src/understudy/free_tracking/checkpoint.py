@@ -23,8 +23,14 @@ from understudy.motion.files import written
 Arrays = dict[str, np.ndarray]
 
 
-def save(relay: Relay, path: str | PathLike[str]) -> None:
+class UnusableSearch(UnderstudyError):
+    """The file is damaged, or of another search."""
+
+
+def save(relay: Relay, path: str | PathLike[str], *, spent: float = 0.0) -> None:
     """Write what is done, what the next pass of the piece at work needs, and its best run.
+
+    `spent` is the processor time of the search so far [s].
 
     A piece that is tried again is not written before it is done: the same is tried again.
     """
@@ -45,6 +51,8 @@ def save(relay: Relay, path: str | PathLike[str]) -> None:
     if search.best is not None and search.states is not None:
         best = Done(search.best, search.states)
     text["best"] = _packed(arrays, "best", best)
+    text["fallen"] = _packed(arrays, "fallen", relay.fallen)
+    text["spent"] = spent
     with written(path) as temporary, temporary.open("wb") as file:
         lists = json.dumps(text, default=lambda array: array.tolist())
         np.savez(file, allow_pickle=False, text=np.array(lists), **arrays)
@@ -54,7 +62,7 @@ def restore(relay: Relay, path: str | PathLike[str]) -> None:
     """Go on from a file that `save` wrote, if there is one.
 
     Raises:
-        UnderstudyError: It is no such file, or of another search.
+        UnusableSearch: It is no such file, or of another search.
     """
     if not Path(path).exists():
         return
@@ -65,13 +73,15 @@ def restore(relay: Relay, path: str | PathLike[str]) -> None:
             if same:
                 _take_over(relay, text, file)
     except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        raise UnderstudyError(f"{path}: is not a checkpoint of a search ({error}).") from None
+        raise UnusableSearch(f"{path}: is not a checkpoint of a search ({error}).") from None
     if not same:
-        raise UnderstudyError(f"{path}: belongs to another search; give another file or remove it.")
+        raise UnusableSearch(f"{path}: belongs to another search; give another file or remove it.")
 
 
 def _take_over(relay: Relay, text: dict[str, Any], file: Any) -> None:
     done, best = _unpacked(file, "done", text["done"]), _unpacked(file, "best", text["best"])
+    relay.spent = float(text.get("spent", 0.0))
+    relay.farthest = _unpacked(file, "fallen", text.get("fallen"))
     if done is not None and len(done.guidance.offsets) == relay.windows:
         relay.done = done
         return

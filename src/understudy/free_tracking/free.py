@@ -81,8 +81,7 @@ def track(
         )
     made = {"timestep": timestep_for(clip.rate, near=STEP), **FREE, **settings}
     performance = tracked(clip, character, pelvis="free", seed=seed, **made)
-    started = clock.process_time()
-    found = guided(
+    found, spent = _guided(
         performance,
         budget=budget,
         effort=effort,
@@ -90,7 +89,6 @@ def track(
         checkpoint=checkpoint,
         progress=progress,
     )
-    spent = clock.process_time() - started
     take = simulate(found, progress=progress)
     take.facts["search_cpu_seconds"] = spent
     return take
@@ -126,14 +124,21 @@ def guided(performance: Performance, **search: Any) -> Performance:
     Raises:
         UnderstudyError: No pass of a search came to the end.
     """
+    return _guided(performance, **search)[0]
+
+
+def _guided(performance: Performance, **search: Any) -> tuple[Performance, float]:
+    """As `guided`, and the processor time of all searches, those gone on from included [s]."""
     controllers, duration = list(performance.controllers), performance.duration
+    spent = 0.0
     for tracking in unheld(performance):
-        alone = freed(by_itself(performance, tracking), **search)
+        alone, own = _freed(by_itself(performance, tracking), **search)
+        spent += own
         guidance = cast(Guidance, alone.controllers[-1])
         guidance = replace(guidance, character=tracking.character)
         controllers.insert(_place(controllers, tracking), guidance)
         duration = min(duration, alone.duration)
-    return replace(performance, controllers=tuple(controllers), duration=duration)
+    return replace(performance, controllers=tuple(controllers), duration=duration), spent
 
 
 def _place(controllers: Sequence[Controller], tracking: Tracking) -> int:
@@ -164,22 +169,47 @@ def freed(
     """The performance with a guidance under which nothing need hold the body.
 
     Where no free run is found, the guidance is the one with the least help; its `help` says how
-    much. The same performance and seed give the same guidance, bit for bit.
+    much. Where no run came to the end, the performance is as short as the one that came farthest,
+    if it came half a second. The same performance and seed give the same guidance, bit for bit.
 
     Args:
         performance: Of one character that tracks a clip with a free pelvis, without tasks.
         seed: By default the performance's.
-        budget: Seconds the search may take; then the best so far counts.
+        budget: Seconds the search may take once it is compiled; then the best so far counts.
         effort: How hard it tries.
         threads: All cores by default.
         checkpoint: File that keeps the search after every pass; the same call goes on from it.
         progress: Show a progress bar on standard error.
 
     Raises:
-        InvalidValue: The performance has tasks, or nothing that tracks a clip freely.
-        UnderstudyError: No pass came to the end; or the checkpoint is of another search.
+        InvalidValue: The performance has tasks, or nothing that tracks a clip freely; the seed is
+            no whole number from 0 on.
+        UnderstudyError: No run came half a second far; or the checkpoint is of another search.
     """
+    return _freed(
+        performance,
+        seed=seed,
+        budget=budget,
+        effort=effort,
+        threads=threads,
+        checkpoint=checkpoint,
+        progress=progress,
+    )[0]
+
+
+def _freed(
+    performance: Performance,
+    *,
+    seed: int | None = None,
+    budget: float | None = None,
+    effort: Effort | None = None,
+    threads: int | None = None,
+    checkpoint: str | PathLike[str] | None = None,
+    progress: bool = False,
+) -> tuple[Performance, float]:
+    """As `freed`, and the processor time of the search, all its calls together [s]."""
     _check(performance)
+    started = clock.process_time()
     relay = Relay(
         performance,
         seed=performance.seed if seed is None else seed,
@@ -188,37 +218,61 @@ def freed(
     )
     if checkpoint is not None:
         restore(relay, checkpoint)
-    end = None if budget is None else clock.monotonic() + budget
+    timer = _Timer(budget)
     with _bar(relay, progress) as bar:
 
         def told(windows: int) -> None:
             bar.update(windows - bar.n)
-            if end is not None and clock.monotonic() > end:
-                raise _TimeIsUp
+            timer.check()
 
         try:
             for _ in relay.passes(told):
                 if checkpoint is not None:
-                    save(relay, checkpoint)
+                    save(relay, checkpoint, spent=relay.spent + clock.process_time() - started)
                 bar.set_description(_doing(relay))
         except _TimeIsUp:
             pass
     best = relay.best
     if best is None:
-        first = relay.search.borders[-1] * performance.scene.timestep
-        raise UnderstudyError(
-            f"No pass of the search came to the end of the first {first:.1f} s: the "
-            f"farthest fell at {relay.search.farthest:.1f} s. Try another seed or a longer budget."
-        )
-    return replace(
+        raise UnderstudyError(_nothing(relay, timer))
+    found = replace(
         performance,
         controllers=(*performance.controllers, best),
         duration=min(performance.duration, len(best.offsets) * best.window),
     )
+    return found, relay.spent + clock.process_time() - started
+
+
+def _nothing(relay: Relay, timer: _Timer) -> str:
+    """Why there is no guidance."""
+    dt = relay.performance.scene.timestep
+    first = (
+        f"No pass of the search came to the end of the first {relay.search.borders[-1] * dt:.1f} s"
+    )
+    if timer.over:
+        return f"{first} before the budget of {timer.budget:g} s was spent. Try a longer one."
+    return f"{first}: the farthest fell at {relay.search.farthest:.1f} s. Try another seed."
 
 
 class _TimeIsUp(Exception):
     """The budget is spent."""
+
+
+class _Timer:
+    """Raises `_TimeIsUp` when so many seconds have passed since the first check."""
+
+    def __init__(self, budget: float | None):
+        self.budget, self.over = budget, False
+        self._end: float | None = None
+
+    def check(self) -> None:
+        if self.budget is None:
+            return
+        now = clock.monotonic()
+        self._end = now + self.budget if self._end is None else self._end
+        if now >= self._end:
+            self.over = True
+            raise _TimeIsUp
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from understudy.control import Guidance
+from understudy.errors import InvalidValue
 from understudy.free_tracking.passes import Effort
 from understudy.free_tracking.search import Search, Stretch
 from understudy.free_tracking.windows import States
@@ -24,6 +25,8 @@ from understudy.performance import Performance
 PIECE, AHEAD, BACK, LEAST = 5.0, 1.0, 1.5, 0.6
 """Length of a piece; how far beyond its end it is searched; how much before it is done again where
 it fails; the shortest piece [s]."""
+WORTH = 0.5
+"""A run that was lost is worth keeping when it came so far [s]."""
 ROWS = ("offsets", "help", "postures", "gains")
 """Fields of a guidance with a row per window."""
 
@@ -73,12 +76,14 @@ class Relay:
     Attributes:
         windows: Windows of the whole performance.
         done: What is done, or None.
+        farthest: The run that came farthest in a first piece that was given up, or None.
+        spent: Processor time of searches that this one goes on from [s].
         search: Of the piece at work.
         again: Whether the piece at work failed before.
         identity: What a search must share with the one whose checkpoint it goes on from.
 
     Raises:
-        InvalidValue: Nothing tracks a clip there, or the body has no legs.
+        InvalidValue: Nothing tracks a clip there, the body has no legs, or the clip one frame.
     """
 
     def __init__(
@@ -93,6 +98,10 @@ class Relay:
     ):
         self.performance, self.seed, self.threads = performance, seed, threads
         self.effort = Effort() if effort is None else effort
+        if performance.duration <= 0.0:
+            raise InvalidValue(
+                "The clip has 1 frame: there is nothing to perform; it must have at least 2."
+            )
         dt = performance.scene.timestep
         self._every = max(1, round(self.effort.window / dt))
         self.windows = -(-performance.steps // self._every)
@@ -100,7 +109,10 @@ class Relay:
             max(1, round(span / (self._every * dt))) for span in (piece, ahead, BACK, LEAST)
         )
         self.done: Done | None = None
+        self.spent = 0.0
+        self.farthest: Done | None = None
         self._failed: tuple[Done | None, Done | None] | None = None
+        self._worth = min(self.windows, max(1, round(WORTH / (self._every * dt))))
         self._short = False  # Whether the piece at work was made shorter.
         self.begin()
         self.identity = self._identity()
@@ -122,13 +134,29 @@ class Relay:
 
     @property
     def best(self) -> Guidance | None:
-        """The guidance from the start as far as it goes, the piece at work included."""
+        """The guidance from the start as far as it goes, the piece at work included.
+
+        Where no pass came to the end of the first piece, that of the run that came farthest, if it
+        came half a second.
+        """
         own = self._found(whole=True) if self.reached < self.windows else None
         before = self.done
         if self._failed is not None and own is None:
             before, own = self._failed
         whole = own if before is None else before if own is None else before.followed(own)
+        if whole is None and self.fallen is not None:
+            whole = self.fallen if len(self.fallen.guidance.offsets) >= self._worth else None
         return None if whole is None else self._told(whole.guidance)
+
+    @property
+    def fallen(self) -> Done | None:
+        """The run that came farthest of those that did not come to the end of the first piece."""
+        own, states = self.search.fallen, self.search.fallen_states
+        if self.done is not None or own is None or states is None:
+            return self.farthest
+        if self.farthest and len(self.farthest.guidance.offsets) >= len(own.offsets):
+            return self.farthest
+        return Done(replace(own, found={**own.found, "pieces": 1}), states)
 
     def begin(self, done: Done | None = None, end: int | None = None) -> None:
         """Go to the piece after what is done; `end` is the window before which it hands over."""
@@ -167,6 +195,7 @@ class Relay:
     def _hand_over(self) -> bool:
         """Finish the piece at work, or try it again; whether there is anything left to do."""
         own, end = self._found(), self._end
+        self.farthest = self.fallen
         if not (self.search.ladder.free or self.again or self.done is None):
             back = min(self._back, len(self.done.states.qpos) - 1, self.reached - 1)
             self._failed = self.done, own

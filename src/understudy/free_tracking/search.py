@@ -81,12 +81,16 @@ class Search:
     Attributes:
         best: The guidance of the stretch with the least help so far, or None.
         states: Where it takes the body, a row per border of its windows.
+        fallen: The guidance of the run that came farthest, up to where it was lost, until there is
+            one that came to the end; or None.
+        fallen_states: Where that takes the body.
         ladder: How much help the next pass gives.
         dynamics: What is known of every window.
         farthest: How far any pass came [s].
 
     Raises:
-        InvalidValue: Nothing tracks a clip there, or the body has no legs.
+        InvalidValue: Nothing tracks a clip there, the body has no legs, or the seed is no whole
+            number from 0 on.
     """
 
     def __init__(
@@ -99,7 +103,7 @@ class Search:
         character: int = 0,
         stretch: Stretch | None = None,
     ):
-        self.performance, self.seed, self.threads = performance, seed, threads
+        self.performance, self.seed, self.threads = performance, _seed(seed), threads
         self.effort = Effort() if effort is None else effort
         self.character = character
         self._tracking = _tracking(performance, character)
@@ -112,6 +116,8 @@ class Search:
         self.dynamics: list[Dynamics | None] = [None] * self.windows
         self.best: Guidance | None = None
         self.states: States | None = None
+        self.fallen: Guidance | None = None
+        self.fallen_states: States | None = None
         self.farthest = 0.0
 
     @property
@@ -137,6 +143,8 @@ class Search:
     def passes(self, told: Callable[[int], None] | None = None) -> Iterator[Pass]:
         """Run passes until one is free or there are enough; yields what came of each.
 
+        What `told` raises ends the pass at work; where it came farthest is kept.
+
         Args:
             told: Called with the number of windows done in a pass.
         """
@@ -152,7 +160,10 @@ class Search:
                     ladder=self.ladder,
                     seed=self.seed,
                 )
-                one.run(told or (lambda _: None))
+                try:
+                    one.run(told or (lambda _: None))
+                finally:
+                    self._keep_fallen(goal, one)
                 yield self._learned(goal, one)
 
     def _course(self, part: Stretch, start: States) -> Course:
@@ -193,33 +204,43 @@ class Search:
 
     def _keep(self, goal: Goal, one: OnePass) -> float:
         """Make the best run of a pass the guidance if none needs less help; returns its cost."""
+        own, states = self._guidance(goal, one)
+        found = own.found["help_percent"], own.found["cost"]
+        known = {} if self.best is None else self.best.found
+        if not known or found <= (known["help_percent"], known["cost"]):
+            self.best, self.states = own, states
+        return found[1]
+
+    def _keep_fallen(self, goal: Goal, one: OnePass) -> None:
+        """Keep the best run of a pass that did not come to the end if none came farther."""
+        before = 0 if self.fallen is None else len(self.fallen.offsets)
+        if self.best is None and len(one.crowds) - 1 > before:
+            self.fallen, self.fallen_states = self._guidance(goal, one)
+
+    def _guidance(self, goal: Goal, one: OnePass) -> tuple[Guidance, States]:
+        """The best run of a pass, as far as it came, and where it takes the body."""
         line = one.line()
-        cost = float(np.mean([crowd.cost[k] for crowd, k in line[1:]]))
         held = np.array([crowd.held[k] for crowd, k in line[1:]])
         weight = goal.mass * abs(self.performance.scene.gravity)
-        help_ = 100.0 * float(np.linalg.norm(held[:, :3], axis=1).mean()) / weight
-        known = {} if self.best is None else self.best.found
-        if known and (known["help_percent"], known["cost"]) < (help_, cost):
-            return cost
         rows = [crowd.states.chosen([k]) for crowd, k in line]
-        self.states = States(*(np.concatenate(each) for each in zip(*rows, strict=True)))
+        states = States(*(np.concatenate(each) for each in zip(*rows, strict=True)))
         sigma = self.course.sigma
-        self.best = Guidance(
+        own = Guidance(
             window=self.course.window,
             offsets=np.array([crowd.offsets[k] * sigma for crowd, k in line[1:]]),
             help=held,
             postures=np.array([crowd.postures[k] for crowd, k in line[:-1]]),
-            gains=self._gains(goal),
+            gains=self._gains(goal)[: len(held)],
             character=self.character,
             found={
                 "seed": self.seed,
                 "passes": self.ladder.tried + 1,
                 "help_scale": float(self.ladder.scales.mean()),
-                "help_percent": help_,
-                "cost": cost,
+                "help_percent": 100.0 * float(np.linalg.norm(held[:, :3], axis=1).mean()) / weight,
+                "cost": float(np.mean([crowd.cost[k] for crowd, k in line[1:]])),
             },
         )
-        return cost
+        return own, states
 
     def _gains(self, goal: Goal) -> Array:
         """The regulator's gains in radians per unit; none where nothing is known."""
@@ -228,6 +249,12 @@ class Search:
         unit = self.course.sigma[:, None] / np.concatenate((goal.scales, self.course.sigma))
         nothing = np.zeros((size, DEVIATION + size))
         return np.array([nothing if g is None else g[:, :-1] * unit for g in gains])
+
+
+def _seed(value: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
+        raise InvalidValue(f"seed is {value}; it must be a whole number from 0 on.")
+    return int(value)
 
 
 def _tracking(performance: Performance, character: int) -> Tracking:
