@@ -234,7 +234,9 @@ def _effort_tiles(s: Score) -> list[Tile]:
     if s.energy_drift_percent is not None:
         tiles.append(("Energy drift", _value(s.energy_drift_percent, "%", 2), "in flight"))
     if s.real_time_factor is not None:
-        tiles.append(("Speed", _value(s.real_time_factor, "&times;", 0), "real time, to simulate"))
+        digits = 0 if s.real_time_factor >= 10.0 else 2
+        speed = _value(s.real_time_factor, "&times;", digits)
+        tiles.append(("Speed", speed, "real time, to simulate"))
     return tiles
 
 

@@ -358,7 +358,9 @@ def text(rows: Sequence[Row]) -> str:
         parts += ["", *folded(done[0].certificate["statement"])]
         parts += [CUT_SHORT] if early(done[0]) else []
         foreseen = done[0].certificate["feasibility"]
-        parts += folded(f"Missing {foreseen['statement']}") if foreseen else []
+        parts += (
+            folded(f"Foreseen from the clip: missing {foreseen['statement']}") if foreseen else []
+        )
         parts += [line for note in done[0].notes for line in folded(note, "  ")]
     elif count := sum(len(row.notes) for row in done):
         parts += ["", f"{counted(count, 'note')} on what was read and changed: in each NAME.html."]

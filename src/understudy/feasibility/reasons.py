@@ -165,7 +165,7 @@ class _Seen:
             found = {
                 "cause": "timing",
                 "looks": "looks like a push before the feet are down or after they have left",
-                "advice": "A little help there is to be expected; nothing is missing in the scene.",
+                "advice": "Nothing is missing in the scene; if the body needs help, it is there.",
             }
         first, last = span.start / self.rate, (span.stop - 1) / self.rate
         return Moment(start=first, end=last, peak=peak, **found)
