@@ -126,7 +126,7 @@ class Samples:
     @property
     def times(self) -> Array:
         """When the samples were taken [s]."""
-        return PERIOD * np.arange(len(self.rows))
+        return PERIOD * np.arange(len(self.rows), dtype=np.float64)
 
     @property
     def speed(self) -> Array:
