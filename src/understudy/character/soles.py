@@ -28,10 +28,6 @@ ROUNDS = 3
 # slowly than the feet [s], and a foot in stance may be further off before it is planted [m].
 DRIFT, UNEVEN_SMOOTHING, UNEVEN_HEIGHT = 0.3, 0.4, 0.08
 EDGE = 0.04  # This near the edge of a step [m] a point may stand in front of it.
-# A body whose center of mass is accelerated up by so much [m/s^2], for that share of the time, is
-# borne; if its soles are then this high over the floor that its slow points show [m], it hovers.
-PUSHES, OFTEN, HOVERS = 3.0, 0.1, 0.03
-FALLS = 4.0  # Falling more slowly [m/s^2], it is on the floor.
 STANDS = 0.003  # A floor found this near z = 0 [m] is z = 0, and so is a foot moved by less.
 
 
@@ -110,11 +106,6 @@ def standing(
         lows = np.where(np.isfinite(lows), lows, heights.min(axis=1))
         near = minimum_filter1d(lows, window, mode="nearest")[:, None]
     resting = slow & (heights < near + LOW)
-    if ground is None and own is None and shifts is None:
-        borne = _hovering(clip, character, heights, resting)
-        if borne is not None:
-            # Between the dips of its hops, not below them.
-            resting, part = borne, 0.5
     known = resting.any(axis=1)
     if known.sum() < 3:
         return _lowered(clip, np.full(clip.frames, base))
@@ -241,38 +232,6 @@ def _sole_motion(
         heights.append(low)
         slow.append(speed < SLOW)
     return np.stack(heights, axis=1), np.stack(slow, axis=1)
-
-
-def _hovering(
-    clip: Clip, character: Character, heights: Array, resting: np.ndarray
-) -> np.ndarray | None:
-    """Which sole points bear a body that hovers as it pushes, (frames, points); None: it does not.
-
-    Hopping over a floor that rises under it, a clip has no slow points near the floor: but where
-    its center of mass does not fall, its lowest point bears.
-    """
-    if clip.frames < 20:
-        return None
-    fall = -derivative(_center_height(clip, character), clip.rate, smoothing=0.1, order=2)
-    pushed, borne = fall < -PUSHES, fall < FALLS
-    floor = np.where(resting, heights, np.inf).min(axis=1)
-    known = np.flatnonzero(np.isfinite(floor))
-    if len(known) < 3 or pushed.mean() < OFTEN:
-        return None
-    floor = np.interp(np.arange(clip.frames), known, floor[known])
-    lowest = heights.min(axis=1)
-    if np.median((lowest - floor)[pushed]) < HOVERS:
-        return None
-    return borne[:, None] & (heights < lowest[:, None] + STANDS)
-
-
-def _center_height(clip: Clip, character: Character) -> Array:
-    """Height of the center of mass [m], shape (frames,)."""
-    pose = clip.forward_kinematics()
-    total = np.zeros((clip.frames, 3))
-    for k, link in enumerate(character.links):
-        total += link.mass * (pose.positions[:, k] + rot.rotate(pose.rotations[:, k], link.com))
-    return total[:, 2] / sum(link.mass for link in character.links)
 
 
 def _base(heights: Array, slow: np.ndarray) -> float:
