@@ -131,7 +131,7 @@ def required(
     part = scene.parts[character]
     reference = sampled(clip, clip.times)
     velocities = reference.qvel()
-    changes = _held(derivative(velocities, clip.rate, smoothing=smoothing), clip.rate, smoothing)
+    changes = derivative(velocities, clip.rate, smoothing=smoothing)
     positions = reference.qpos()
     quiet = _quiet_copy(model)
     data = mujoco.MjData(quiet)
@@ -183,14 +183,6 @@ def required(
         width = min(7, frames - (frames + 1) % 2)
         force = np.asarray(savgol_filter(force, width, 1, axis=0), float)
     return Required(force[:, 6:].reshape(frames, -1, 3), force[:, :6], borne)
-
-
-def _held(changes: Array, rate: float, smoothing: float) -> Array:
-    """Accelerations (frames, dofs) whose ends, where the filter guesses, are those next to them."""
-    edge = round(0.5 * smoothing * rate)
-    if len(changes) > 2 * edge:
-        changes[:edge], changes[len(changes) - edge :] = changes[edge], changes[-1 - edge]
-    return changes
 
 
 def _leaning(edges: Array, ground: Ground, points: Array) -> Array:
