@@ -195,7 +195,8 @@ def _contact_tiles(s: Score) -> list[Tile]:
         (
             "Ground force",
             _value(s.ground_force_mean_percent, "% BW", 0),
-            f"mean; peak {s.ground_force_peak_percent:.0f} % of body weight",
+            f"mean; peak {s.ground_force_peak_percent:.0f} %; in one step, unfiltered, "
+            f"{s.ground_force_spike_percent:.0f} %",
         ),
         ("Penetration", _value(s.penetration_mm, "mm", 1), _clip_penetration(s)),
     ]

@@ -207,7 +207,7 @@ def test_certificate_is_json_and_names_its_schema(standing: Any, tmp_path: Path)
     write_certificate(standing, tmp_path / "take.json")
     read = json.loads((tmp_path / "take.json").read_text())
     assert read["kind"] == "understudy certificate"
-    assert read["schema"] == SCHEMA == 1
+    assert read["schema"] == SCHEMA == 2
     assert read["seed"] == 7
     assert read["fully_physical"] is True
     assert set(read["versions"]) == {"understudy", "mujoco", "numpy", "python"}

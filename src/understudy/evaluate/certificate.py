@@ -23,7 +23,7 @@ from understudy.motion.files import written
 if TYPE_CHECKING:
     from understudy.take import Take
 
-SCHEMA = 1
+SCHEMA = 2
 """Grows when a key changes its meaning or goes; new keys do not change it."""
 TIMES = ("cpu_seconds", "search_cpu_seconds")
 """Facts that differ from run to run."""

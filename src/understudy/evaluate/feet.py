@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from understudy.evaluate.events import ContactEvent, events_of, touching
+from understudy.evaluate.force_plate import as_by_plate
 from understudy.evaluate.measure import Measured, Performer
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
@@ -58,7 +59,8 @@ class Footfalls:
         touchdowns: How often it came down, the start of a take that begins on it included.
         stance_mean_s: Mean time on the ground [s].
         impulse_mean_ns: Mean impulse of the ground on it [N s].
-        peak_force_n: Largest force [N].
+        peak_force_n: Largest force, filtered as a force plate's [N].
+        spike_force_n: Largest force at any one step, unfiltered [N].
         penetration_mm: Deepest overlap [mm].
         events: Each stay on the ground.
     """
@@ -68,13 +70,14 @@ class Footfalls:
     stance_mean_s: float
     impulse_mean_ns: float
     peak_force_n: float
+    spike_force_n: float
     penetration_mm: float
     events: tuple[ContactEvent, ...] = field(repr=False)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values that JSON takes, without the single events."""
         names = ("foot", "touchdowns", "stance_mean_s", "impulse_mean_ns", "peak_force_n")
-        return {name: getattr(self, name) for name in (*names, "penetration_mm")}
+        return {name: getattr(self, name) for name in (*names, "spike_force_n", "penetration_mm")}
 
 
 def footfalls(measured: Measured) -> tuple[Footfalls, ...]:
@@ -89,13 +92,16 @@ def footfalls(measured: Measured) -> tuple[Footfalls, ...]:
             stays = events_of(rows, gap=STEP_GAP)
             if not stays:
                 continue
+            force = measured.ground_reaction(who.index, links=bodies)
+            smooth = as_by_plate(force, measured.rate)
             out.append(
                 Footfalls(
                     foot=foot,
                     touchdowns=len(stays),
                     stance_mean_s=float(np.mean([stay.duration_s for stay in stays])),
                     impulse_mean_ns=float(np.mean([stay.impulse_ns for stay in stays])),
-                    peak_force_n=max(stay.peak_force_n for stay in stays),
+                    peak_force_n=float(np.linalg.norm(smooth, axis=1).max()),
+                    spike_force_n=max(stay.peak_force_n for stay in stays),
                     penetration_mm=max(stay.penetration_mm for stay in stays),
                     events=stays,
                 )

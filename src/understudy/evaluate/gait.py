@@ -21,7 +21,7 @@ from understudy.errors import InvalidValue, expect
 from understudy.evaluate.gait_angles import ANGLES, heading, legs_apart
 from understudy.evaluate.gait_body import SIDES, Mover, named, of_clip, of_measured
 from understudy.evaluate.gait_cycle import Cycle, cycle_of, frames_between
-from understudy.evaluate.gait_forces import StanceForce, foot_forces, stance_force
+from understudy.evaluate.gait_forces import StanceForce, foot_forces, stance_by_plate
 from understudy.evaluate.gait_stances import (
     Stance,
     flights,
@@ -229,7 +229,7 @@ def _forces(
         frames = frames_between(mover, stance.start_s, stance.end_s)
         if stance.whole and len(mover.times[frames]) > 2:
             ahead = heading(mover, frames)[len(mover.times[frames]) // 2]
-            out.append(stance_force(times, force[stance.side], stance, ahead))
+            out.append(stance_by_plate(times, force[stance.side], stance, ahead))
     return out
 
 

@@ -1,16 +1,17 @@
 """The force of the ground under one foot from touchdown to toe-off, in body weights.
 
-Forces are those of every physics step, unfiltered; a force plate's are usually smoothed to some
-50 Hz, so a spike of a millisecond counts here and not there.
+Peaks, slopes and curves are of forces filtered as a force plate's (`force_plate`); means and
+impulses are sums over every physics step and need no filter.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from understudy.evaluate.feet import feet
+from understudy.evaluate.force_plate import as_by_plate
 from understudy.evaluate.gait_stances import Stance
 from understudy.evaluate.measure import Measured
 from understudy.motion.rotations import Array
@@ -55,7 +56,7 @@ class StanceForce:
 
 
 def foot_forces(m: Measured, character: int = 0) -> dict[str, Array]:
-    """Force of the ground on each foot [BW], world, by side, shape (frames, 3)."""
+    """Force of the ground on each foot [BW], world, by side, shape (frames, 3); unfiltered."""
     who = m.performer(character)
     return {
         side: m.ground_reaction(character, links=bodies) / who.weight
@@ -64,7 +65,7 @@ def foot_forces(m: Measured, character: int = 0) -> dict[str, Array]:
 
 
 def stance_force(times: Array, force: Array, stance: Stance, ahead: Array) -> StanceForce:
-    """Force under a foot over a stance.
+    """Force under a foot over a stance, as it is given.
 
     Args:
         times: Of every physics step [s], shape (frames,).
@@ -89,6 +90,18 @@ def stance_force(times: Array, force: Array, stance: Stance, ahead: Array) -> St
         pushing=float(np.maximum(along, 0.0).sum() * step * GRAVITY),
         up=np.interp(share, np.arange(frames), up),
         along=np.interp(share, np.arange(frames), along),
+    )
+
+
+def stance_by_plate(times: Array, force: Array, stance: Stance, ahead: Array) -> StanceForce:
+    """The same with peaks, slopes and curves of the force filtered as a force plate's."""
+    smooth = as_by_plate(force, 1.0 / float(times[1] - times[0]))
+    each = stance_force(times, force, stance, ahead)
+    return replace(
+        stance_force(times, smooth, stance, ahead),
+        mean=each.mean,
+        braking=each.braking,
+        pushing=each.pushing,
     )
 
 

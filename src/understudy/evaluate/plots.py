@@ -10,6 +10,7 @@ import numpy as np
 from understudy.evaluate import compare, feet
 from understudy.evaluate.chart import STROKES, Bars, Chart, Series
 from understudy.evaluate.events import ContactEvent, contact_force
+from understudy.evaluate.force_plate import as_by_plate
 from understudy.evaluate.measure import Measured
 from understudy.evaluate.score import motion
 from understudy.motion.clip import Clip
@@ -129,12 +130,12 @@ def ground_reaction(take: Take, m: Measured, character: int = 0) -> Chart | None
     if take.scene.ground is None:
         return None
     who = m.performer(character)
-    total = m.ground_reaction(character)[:, 2] / who.weight
+    total = as_by_plate(m.ground_reaction(character)[:, 2] / who.weight, m.rate)
     lines = [
         Series(
             name=f"{side} foot",
             x=m.times,
-            y=m.ground_reaction(character, links=bodies)[:, 2] / who.weight,
+            y=as_by_plate(m.ground_reaction(character, links=bodies)[:, 2] / who.weight, m.rate),
         )
         for side, bodies in feet.feet(who).items()
     ]
@@ -143,7 +144,8 @@ def ground_reaction(take: Take, m: Measured, character: int = 0) -> Chart | None
         lines.append(Series(name="elsewhere" if lines else "body", x=m.times, y=rest))
     return Chart(
         title="Ground reaction",
-        caption="Upward force of the ground in body weights. A standing body has 1 in all.",
+        caption="Upward force of the ground in body weights, filtered as a force plate's. A "
+        "standing body has 1 in all.",
         x_label=_TIME,
         y_label="Force [body weights]",
         series=tuple(lines),

@@ -98,7 +98,8 @@ def _force_chart(found: Sequence[Likeness], which: int) -> Chart | None:
             lines.append(Series(name=one.gait.name, x=100.0 * PHASE, y=force[which]))
     if not lines:
         return None
-    caption, theirs = "Of the ground on one foot, mean over the stances, unfiltered.", None
+    theirs = None
+    caption = "Of the ground on one foot, mean over the stances, filtered as a force plate's."
     if which == 0:
         mean = found[0].people.figures["force_mean_bw"].mean
         half = 0.5 * np.pi * mean * np.sin(np.pi * PHASE)

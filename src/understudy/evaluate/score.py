@@ -13,6 +13,7 @@ import numpy as np
 from understudy.character import Linkage, retargeted
 from understudy.errors import InvalidValue, shown
 from understudy.evaluate import compare, feet, physics
+from understudy.evaluate.force_plate import as_by_plate
 from understudy.evaluate.measure import Measured, Performer, measured
 from understudy.motion.clip import Clip
 
@@ -73,7 +74,10 @@ class Score:
         penetration_mean_mm: Mean overlap of its contact points while they overlap [mm].
         clip_penetration_mm: How far below the ground the tracked clip puts its soles [mm].
         ground_force_mean_percent: Mean upward ground force [% of body weight].
-        ground_force_peak_percent: Its peak [% of body weight].
+        ground_force_peak_percent: Its peak, low-pass filtered as a force plate's is read
+            (`understudy.evaluate.force_plate`) [% of body weight].
+        ground_force_spike_percent: Its largest value at any one step, unfiltered
+            [% of body weight].
         torque_peak_nm: Largest joint torque [N m].
         torque_peak_joint: Where it occurred.
         torque_mean_nm: Mean of all joints over time [N m].
@@ -126,6 +130,7 @@ class Score:
     clip_penetration_mm: float | None = None
     ground_force_mean_percent: float | None = None
     ground_force_peak_percent: float | None = None
+    ground_force_spike_percent: float | None = None
     torque_peak_nm: float = 0.0
     torque_peak_joint: str | None = None
     torque_mean_nm: float = 0.0
@@ -313,7 +318,8 @@ def _contact(take: Take, m: Measured, who: Performer) -> dict[str, Any]:
     touching[m.contacts.frame[mine]] = True
     out |= {
         "ground_force_mean_percent": _mean(vertical),
-        "ground_force_peak_percent": float(vertical.max()),
+        "ground_force_peak_percent": float(as_by_plate(vertical, m.rate).max()),
+        "ground_force_spike_percent": float(vertical.max()),
         "flight_s": float((~touching).sum() / m.rate),
     }
     # A character that never comes near the ground does not fly: it was hung up.
@@ -441,9 +447,10 @@ def _table(s: Score) -> str:
     )
     row(
         "ground force",
-        "{:.0f} % of body weight (peak {:.0f})",
+        "{:.0f} % of body weight (peak {:.0f}; {:.0f} in one step, unfiltered)",
         s.ground_force_mean_percent,
         s.ground_force_peak_percent,
+        s.ground_force_spike_percent,
     )
     row("foot slide", "{:.0f} mm/s while loaded", s.foot_slide_mm_s)
     row(
