@@ -13,7 +13,6 @@ from understudy.evaluate.feet import footfalls
 from understudy.evaluate.force_plate import CUTOFF, as_by_plate
 from understudy.evaluate.gait_forces import stance_by_plate, stance_force
 from understudy.evaluate.gait_stances import Stance
-from understudy.motion.rotations import Array
 
 RATES = (120.0, 600.0, 1000.0)
 
@@ -97,7 +96,7 @@ def test_the_peak_of_a_landing_is_the_plates_and_the_spike_stands_beside_it() ->
 
 
 def test_a_stance_keeps_its_impulses_and_loses_its_spike() -> None:
-    times: Array = np.arange(300) * 0.001
+    times = np.linspace(0.0, 0.299, 300)
     up = np.where((times > 0.05) & (times < 0.25), 1.2, 0.0)
     up[150] += 3.0
     force = np.stack((-0.2 * up, 0.0 * up, up), axis=1)
