@@ -1,10 +1,13 @@
 """Takes on disk: the same bits back, and one clear line for every file that is none."""
 
 import dataclasses
+import io
 import json
 import pickle
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -106,6 +109,18 @@ def edited(stored: Path, path: Path, change) -> Path:
         (lambda d: d["model"]["pairs"].append(["__class__", 3]), "changes '__class__'"),
         (lambda d: d["model"]["pairs"].append(["body_parentid", 3]), "changes 'body_parentid'"),
         (lambda d: d["model"]["pairs"].append(["geom_size", 1.0]), "does not fit"),
+        (lambda d: d["model"]["pairs"].append(["opt.timestep", "abc"]), "opt.timestep is 'abc'"),
+        (lambda d: d["model"]["pairs"].append(["opt.timestep", -1.0]), "opt.timestep is -1"),
+        (lambda d: d["model"]["pairs"].append(["opt.integrator", 99]), "opt.integrator is 99"),
+        (lambda d: d["model"]["pairs"].append(["opt.iterations", "x"]), "opt.iterations is 'x'"),
+        (
+            lambda d: d["take"]["fields"]["scene"]["fields"].update(timestep="abc"),
+            "timestep is 'abc'",
+        ),
+        (
+            lambda d: d["take"]["fields"]["references"]["tuple"][0]["fields"].update(skeleton=7),
+            "holds a Clip|skeleton",
+        ),
     ],
 )
 def test_hostile_file_is_refused_in_one_line(
@@ -199,6 +214,38 @@ def test_a_color_that_cannot_be_drawn_is_refused(
 
     with pytest.raises(UnderstudyError, match="a color is four"):
         load_take(_changed(stored, tmp_path, change))
+
+
+@pytest.mark.parametrize(
+    ("entry", "wrong", "said"),
+    [
+        ("qvel", lambda a: 1e200 * (1.0 + np.abs(a)), "qvel has values that are not finite"),
+        ("ctrl", lambda a: np.nan * a, "ctrl has values that are not finite"),
+        ("faces", lambda a: a + 10**6, "faces has .* each from 0 to the last"),
+        ("faces", lambda a: a - 5, "faces has"),
+        ("faces", lambda a: a + 0.5, "faces has .* whole numbers"),
+        ("faces", lambda a: a[:, :2], r"faces has shape \(.*, 2\)"),
+        ("actuator_gainprm", lambda a: np.nan * a, "actuator_gainprm .* not finite"),
+        ("actuator_gainprm", lambda a: a[1:], "does not fit"),
+    ],
+)
+def test_numbers_that_no_body_has_are_refused_in_one_line(
+    entry: str, wrong: Callable[[Any], Any], said: str, stored: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "wrong.npz"
+    met = 0
+    with zipfile.ZipFile(stored) as old, zipfile.ZipFile(path, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            if name.endswith(f".{entry}.npy"):
+                block = io.BytesIO()
+                np.save(block, wrong(np.load(io.BytesIO(data))))
+                data, met = block.getvalue(), met + 1
+            new.writestr(name, data)
+    assert met > 0
+    with pytest.raises(UnderstudyError, match=said) as caught:
+        load_take(path)
+    assert "\n" not in str(caught.value)
 
 
 def _changed(stored: Path, folder: Path, change) -> Path:

@@ -63,16 +63,28 @@ class Shape:
         for name, length in (("position", 3), ("rotation", 4), ("size", 3)):
             set_(self, name, frozen_array(getattr(self, name), (length,), name))
         set_(self, "vertices", frozen_array(self.vertices, (None, 3), "vertices"))
-        faces = np.array(self.faces, int).reshape(-1, 3)
-        faces.setflags(write=False)
-        set_(self, "faces", faces)
-        if (self.kind == "mesh") != (len(faces) > 0):
-            raise InvalidValue(f"A shape of kind {self.kind!r} has {len(faces)} faces.")
+        set_(self, "faces", _faces(self.faces, len(self.vertices)))
+        if (self.kind == "mesh") != (len(self.faces) > 0):
+            raise InvalidValue(f"A shape of kind {self.kind!r} has {len(self.faces)} faces.")
 
     @property
     def contact(self) -> bool:
         """Whether it touches the ground."""
         return self.use == "contact"
+
+
+def _faces(value: Any, corners: int) -> Any:
+    """Triangles as whole numbers that cannot be changed, each of a corner of the mesh."""
+    given = np.asarray(value)
+    fits = given.shape[1:] == (3,) and (given.dtype.kind in "iu" or not given.size)
+    if not (fits and (given >= 0).all() and (given < corners).all()):
+        raise InvalidValue(
+            f"faces has shape {given.shape} and {given.dtype} values; it must be whole numbers of "
+            f"shape (m, 3), each from 0 to the last of {corners} vertices."
+        )
+    faces = np.array(given, int)
+    faces.setflags(write=False)
+    return faces
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -65,11 +65,12 @@ class Guidance:
         }
         for name, shape in shapes.items():
             array = np.array(getattr(self, name), float)
-            if array.shape != shape or not np.isfinite(array).all():
+            if array.shape != shape:
                 raise InvalidValue(
-                    f"{name} of a Guidance has shape {array.shape}; it must be finite numbers of "
-                    f"shape {shape}."
+                    f"{name} of a Guidance has shape {array.shape}; it must have shape {shape}."
                 )
+            if not np.isfinite(array).all():
+                raise InvalidValue(f"{name} of a Guidance must be finite; some of its values are not.")
             array.flags.writeable = False
             object.__setattr__(self, name, array)
         if not (np.isfinite(self.window) and self.window > 0.0):

@@ -26,6 +26,7 @@ from understudy.control import Guidance
 from understudy.errors import ClipError, InvalidValue, UnderstudyError
 from understudy.motion.files import written
 from understudy.motion.source import check_regular
+from understudy.output.take_model import LARGEST, changes, set_number
 from understudy.performance import Performance
 from understudy.take import Take
 
@@ -47,7 +48,6 @@ _TIMING = ("cpu_seconds", "search_cpu_seconds")
 _RATES = (0.01, 1e7)
 _MOST_BYTES = 8 * 2**30
 _DEPTH = 40
-_OPTIONS = ("integrator", "cone", "jacobian", "solver", "iterations", "disableflags", "enableflags")
 
 
 def save_take(take: Take, path: str | PathLike[str]) -> None:
@@ -74,7 +74,7 @@ def save_take(take: Take, path: str | PathLike[str]) -> None:
         "engine": mujoco.__version__,
         "timing": _plain(timing, arrays, "timing"),
         "take": _plain(dataclasses.replace(take, facts=facts), arrays, "take"),
-        "model": _plain(_changes(take.scene.model, take.model), arrays, "model"),
+        "model": _plain(changes(take.scene.model, take.model), arrays, "model"),
         **({_PLAN: _plain(plan, arrays, _PLAN)} if guided else {}),
     }
     text = json.dumps(document, allow_nan=True)
@@ -109,7 +109,7 @@ def load_take(path: str | PathLike[str]) -> Take:
     except ClipError:
         raise
     except UnderstudyError as error:
-        raise UnderstudyError(f"{path}: {error}") from error
+        raise UnderstudyError(f"{path}: {' '.join(str(error).split())}") from error
     except FileNotFoundError as error:
         raise UnderstudyError(f"{path}: there is no such file.") from error
     except OSError as error:
@@ -170,27 +170,36 @@ def _read(file: zipfile.ZipFile) -> Take:
     _check_colors(scene)
     model = copy.copy(scene.model)
     for name, value in reader.value(document["model"]).items():
-        _set(model, name, value)
+        set_number(model, name, value)
     plan = reader.value(document.get(_PLAN))
     if not (plan is None or isinstance(plan, Performance)):
         raise UnderstudyError("holds a performance that is none.")
     take = Take(**fields, model=model, performance=plan)
-    widths = {"qpos": model.nq, "qvel": model.nv, "ctrl": model.nu, "qfrc_applied": model.nv}
-    for name, width in widths.items():
-        shape = getattr(take, name).shape
-        if shape != (take.frames, width):
-            raise UnderstudyError(f"{name} has shape {shape}; the scene needs (frames, {width}).")
-        if not np.isfinite(getattr(take, name)).all():
-            raise UnderstudyError(f"{name} has values that are not finite.")
-    if take.xfrc_applied.shape != (take.frames, model.nbody, 6):
-        raise UnderstudyError(f"xfrc_applied has shape {take.xfrc_applied.shape}.")
-    if not np.isfinite(take.xfrc_applied).all():
-        raise UnderstudyError("xfrc_applied has values that are not finite.")
+    _check_states(take)
     if take.frames < 1 or len(take.references) != len(scene.characters):
         raise UnderstudyError("has no frames, or not one reference for each character.")
     if not np.isfinite(take.times).all() or np.any(np.diff(take.times) <= 0.0):
         raise UnderstudyError("has times that do not rise from frame to frame.")
     return take
+
+
+def _check_states(take: Take) -> None:
+    """Refuse states and forces that no take of its scene has."""
+    model, frames = take.model, take.frames
+    shapes = {
+        "qpos": (frames, model.nq),
+        "qvel": (frames, model.nv),
+        "ctrl": (frames, model.nu),
+        "qfrc_applied": (frames, model.nv),
+        "xfrc_applied": (frames, model.nbody, 6),
+    }
+    for name, shape in shapes.items():
+        values = getattr(take, name)
+        if values.shape != shape:
+            raise UnderstudyError(f"{name} has shape {values.shape}; the scene needs {shape}.")
+        # A NaN fails the comparison too.
+        if not (np.abs(values) <= LARGEST).all():
+            raise UnderstudyError(f"{name} has values that are not finite, or beyond {LARGEST:g}.")
 
 
 def _check_scalars(fields: dict[str, Any]) -> None:
@@ -301,7 +310,11 @@ class _Reader:
             return np.broadcast_to(0.0, shape)
         if "type" in node:
             kind = _value_type(node["type"])
-            return kind(**self.fields(node, kind))
+            fields = self.fields(node, kind)
+            try:
+                return kind(**fields)
+            except TypeError as error:
+                raise UnderstudyError(f"holds a {kind.__name__} that is none: {error}") from error
         if "pairs" in node:
             return {self.value(k): self.value(v) for k, v in node["pairs"]}
         for name, kind in (
@@ -351,40 +364,3 @@ def _value_type(name: Any) -> type:
     ):
         raise UnderstudyError(f"names {name!r}, which this version does not have.")
     return kind
-
-
-def _changes(before: mujoco.MjModel, after: mujoco.MjModel) -> dict[str, Any]:
-    """Numbers of a model that differ from the scene's: gains, limits, options."""
-    out: dict[str, Any] = {}
-    for name in dir(before):
-        if name.startswith("_"):
-            continue
-        old = getattr(before, name)
-        if isinstance(old, np.ndarray) and old.dtype.kind == "f" and old.size:
-            new = getattr(after, name)
-            if new.shape == old.shape and not np.array_equal(old, new):
-                out[name] = np.array(new)
-    for name in _OPTIONS:
-        if getattr(before.opt, name) != getattr(after.opt, name):
-            out[f"opt.{name}"] = int(getattr(after.opt, name))
-    if before.opt.timestep != after.opt.timestep:
-        out["opt.timestep"] = float(after.opt.timestep)
-    return out
-
-
-def _set(model: mujoco.MjModel, name: Any, value: Any) -> None:
-    """Set one number of a model; only such as cannot lead the engine astray."""
-    if not isinstance(name, str) or name.startswith("_"):
-        raise UnderstudyError(f"changes {name!r} of the model.")
-    if name == "opt.timestep":
-        model.opt.timestep = float(value)
-        return
-    if name.removeprefix("opt.") in _OPTIONS and name.startswith("opt."):
-        setattr(model.opt, name.removeprefix("opt."), int(value))
-        return
-    held = getattr(model, name, None)
-    if not (isinstance(held, np.ndarray) and held.dtype.kind == "f"):
-        raise UnderstudyError(f"changes {name!r} of the model.")
-    if np.shape(value) != held.shape or not np.isfinite(value).all():
-        raise UnderstudyError(f"changes {name!r} of the model to something that does not fit.")
-    held[:] = value

@@ -12,7 +12,7 @@ import numpy as np
 
 from understudy.character import Athlete, Character, Linkage
 from understudy.character.body import SelfCollision
-from understudy.errors import InvalidValue
+from understudy.errors import InvalidValue, expect
 from understudy.scene import touching
 from understudy.scene.ground import Ground
 from understudy.scene.props import Prop
@@ -98,6 +98,8 @@ class Scene:
             raise InvalidValue("A scene needs at least one character.")
         if len(self.characters) > 24:
             raise InvalidValue(f"{len(self.characters)} characters; a scene holds at most 24.")
+        for name in ("timestep", "gravity"):
+            expect(getattr(self, name), (int, float, np.number), name, "a number")
         if not 1e-5 <= self.timestep <= 0.05:
             raise InvalidValue(f"timestep is {self.timestep} s; it must lie in 1e-5 to 0.05.")
         if not np.isfinite(self.gravity):
