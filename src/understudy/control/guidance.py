@@ -70,7 +70,7 @@ class Guidance:
                     f"{name} of a Guidance has shape {array.shape}; it must have shape {shape}."
                 )
             if not np.isfinite(array).all():
-                raise InvalidValue(f"{name} of a Guidance must be finite; some of its values are not.")
+                raise InvalidValue(f"{name} of a Guidance must be finite; not all values are.")
             array.flags.writeable = False
             object.__setattr__(self, name, array)
         if not (np.isfinite(self.window) and self.window > 0.0):
