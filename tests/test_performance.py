@@ -9,9 +9,9 @@ import pytest
 
 import understudy as us
 from understudy.character import adult_man, child
-from understudy.control import Balance, LookAt, Push, Tracking, Upright
+from understudy.control import Balance, LookAt, Push, Throw, Tracking, Upright
 from understudy.errors import InvalidValue
-from understudy.performance import together, tracked
+from understudy.performance import together, tracked, until
 from understudy.scene import Ball, Drum, Ground, Staff
 
 
@@ -134,3 +134,24 @@ def test_a_led_pelvis_and_balance_do_not_go_together(clip):
 def test_balance_of_an_upper_body_says_that_it_has_no_legs(clip):
     with pytest.raises(InvalidValue, match="plan 'upper', which has no legs: use 'full'"):
         tracked(clip, adult_man(plan="upper"), tasks=[Balance()])
+
+
+@pytest.mark.parametrize("time", [0.6, 5.0])
+def test_what_comes_after_the_end_is_refused(clip, time):
+    push = Push(time=time, impulse=(5, 0, 0))
+    with pytest.raises(
+        InvalidValue, match=rf"Push: begins at {time:g} s; the performance lasts 0\.6"
+    ):
+        tracked(clip, adult_man(), tasks=[push])
+    made = tracked(clip, adult_man())
+    with pytest.raises(InvalidValue, match=r"the performance lasts 0\.6 s"):
+        replace(made, controllers=(*made.controllers, push))
+    with pytest.raises(InvalidValue, match=r"Throw: begins at 0\.7 s"):
+        replace(made, controllers=(*made.controllers, Throw(time=1.2, at=(0, 0, 1))))
+
+
+def test_a_performance_cut_short_leaves_out_what_comes_later(clip):
+    pushes = [Push(time=time, impulse=(5, 0, 0)) for time in (0.1, 0.3)]
+    short = until(tracked(clip, adult_man(), tasks=pushes), 0.3)
+    assert short.duration == 0.3
+    assert [c.time for c in short.controllers if isinstance(c, Push)] == [0.1]

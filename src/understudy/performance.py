@@ -21,7 +21,7 @@ from understudy.character.leaning import leaning
 from understudy.character.planting import planted
 from understudy.character.soles import standing
 from understudy.control import Controller, Disturbance, Drive, GiveWay, Task, Tracking
-from understudy.control.disturbance import check_throws
+from understudy.control.disturbance import check_throws, check_times
 from understudy.control.supported import supported
 from understudy.control.task import check_overlaps
 from understudy.errors import InvalidValue, UnknownName, expect, shown
@@ -64,6 +64,7 @@ class Performance:
         numbers = self.steps * (self.scene.model.nq + self.scene.model.nv + self.scene.model.nu)
         check_overlaps(self.controllers)
         check_throws(self.controllers)
+        check_times(self.controllers, self.duration)
         _check_pelvis(self.controllers)
         if numbers > 1_000_000_000:
             raise InvalidValue(
@@ -75,6 +76,19 @@ class Performance:
     def steps(self) -> int:
         """Number of physics steps."""
         return round(self.duration / self.scene.timestep)
+
+
+def until(performance: Performance, duration: float) -> Performance:
+    """The performance up to a time [s], without the pushes and throws that come later."""
+    return replace(
+        performance,
+        controllers=tuple(
+            one
+            for one in performance.controllers
+            if not (isinstance(one, Disturbance) and one.begins >= duration)
+        ),
+        duration=duration,
+    )
 
 
 def _check_pelvis(controllers: Iterable[Controller]) -> None:

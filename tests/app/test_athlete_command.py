@@ -47,6 +47,28 @@ def test_a_clip_is_laid_on_the_upper_body(tmp_path, capsys):
     assert saved["upper"]["clip"] == "gesture" and saved["upper"]["joint_error_deg"] < 3.0
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--push", "50:0,10"], "--push is '50:0,10'; its time must lie in the run of 2 s."),
+        (["--push", "2:0,10"], "its time must lie in the run of 2 s."),
+        (["--name", "../evil"], "--name is '../evil'; it must be the stem of a file's name"),
+        (["--name", ""], "--name is ''"),
+        (["--out", "/proc/x"], "lies among the system's own files"),
+    ],
+)
+def test_what_cannot_be_run_or_written_is_refused_before_the_run(
+    words, said, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(us, "simulate", None)
+    monkeypatch.setattr(athlete, "_judged", None)
+    assert main(["athlete", "running", "--seconds", "2", *words]) == 2
+    told = capsys.readouterr().err
+    assert said in told and told.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
 def test_as_many_run_as_a_track_has_lanes(capsys):
     assert main(["athlete", "running", "--runners", "9"]) == 2
     assert "--runners is 9" in capsys.readouterr().err

@@ -40,8 +40,18 @@ def test_the_same_command_goes_on_from_its_search(freely, short, capsys):
     before = (freely / "wave_sim.bvh").read_bytes()
     assert main(["track", str(short), "--pelvis", "free", "--out", str(freely)]) == 0
     assert (freely / "wave_sim.bvh").read_bytes() == before
-    head, _, line = capsys.readouterr().out.splitlines()[:3]
+    told = capsys.readouterr()
+    head, _, line = told.out.splitlines()[:3]
     assert "s free" in head and line.split()[-1] == "0"
+    search = freely / "wave.seed0.search"
+    assert f"{search}: this finished search was used again." in told.err
+    assert f"  {search}\nThe same command goes on from the .search" in told.out
+
+
+def test_the_search_is_among_the_files_for_machines(freely, short, capsys):
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(freely), "--json"]) == 0
+    (clip,) = json.loads(capsys.readouterr().out)["clips"]
+    assert clip["files"]["seed0.search"] == str(freely / "wave.seed0.search")
 
 
 def test_the_take_file_performs_again_bit_for_bit_and_can_be_pushed(freely):

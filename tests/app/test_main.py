@@ -142,6 +142,22 @@ def test_debug_shows_where(monkeypatch):
         app.main(["samples"])
 
 
+def test_debug_shows_where_a_clip_failed_too(monkeypatch, capsys, tmp_path):
+    import understudy as us
+
+    def broken(*_, **__):
+        raise RuntimeError("here")
+
+    monkeypatch.setattr(us, "track", broken)
+    words = ["track", "sample:gesture", "--out", str(tmp_path)]
+    assert app.main(words) == app.DEFECT
+    assert "Traceback" not in capsys.readouterr().err
+    monkeypatch.setenv("UNDERSTUDY_DEBUG", "1")
+    assert app.main(words) == app.DEFECT
+    told = capsys.readouterr().err
+    assert "Traceback" in told and 'raise RuntimeError("here")' in told
+
+
 def test_an_interrupt_is_one_line_and_status_130(monkeypatch, capsys):
     from understudy.app import samples
 

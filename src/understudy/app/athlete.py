@@ -13,7 +13,7 @@ from tyro.conf import Positional, arg
 from understudy.app.athlete_told import error_of, figures, notes, summary
 from understudy.app.courses import course_from, numbers
 from understudy.app.outcome import Outcome, plain
-from understudy.app.performing import ready, staged
+from understudy.app.performing import check_name, ready, staged
 from understudy.app.reading import Reading, clip_from
 from understudy.errors import InvalidValue
 
@@ -110,18 +110,19 @@ def run(options: Options) -> Outcome:
     import understudy as us
     from understudy.evaluate.measure import measured
     from understudy.evaluate.running import MOST_BESIDE
-    from understudy.performance import together
+    from understudy.performance import together, until
 
     if len(options.beside) > MOST_BESIDE:
         raise InvalidValue(f"--beside was given {len(options.beside)} files; at most 3 are shown.")
+    check_name(options.name)
+    ready(options.out)
     captured = [clip_from(word, Reading()) for word in options.beside]
     alone = _performances(options)
-    ready(options.out)
     found = [_judged(options, one) for one in alone]
     falls = [one["fell_at_s"] for one in found if one["fell_at_s"] is not None]
     performance = together(*alone) if len(alone) > 1 else alone[0]
     if falls:
-        performance = _until(performance, min(falls))
+        performance = until(performance, max(min(falls), performance.scene.timestep))
     take = us.simulate(performance, progress=True)
     measures = measured(take)
     for k, (one, runner) in enumerate(zip(found, alone, strict=True)):
@@ -203,6 +204,10 @@ def _pushes(options: Options) -> list[Push]:
     out = []
     for word in options.push:
         time, forward, left = numbers("--push", word, "TIME:FORWARD,LEFT", 3)
+        if not 0.0 <= time < options.seconds:
+            raise InvalidValue(
+                f"--push is {word!r}; its time must lie in the run of {options.seconds:g} s."
+            )
         out.append(Push(time=time, impulse=(forward, left, 0.0)))
     return out
 
@@ -299,9 +304,3 @@ def _notes(options: Options, found: dict[str, Any], alone: Performance, number: 
         friction=options.friction,
         upper=options.upper is not None,
     )
-
-
-def _until(performance: Performance, time: float) -> Performance:
-    from dataclasses import replace
-
-    return replace(performance, duration=max(time, performance.scene.timestep))

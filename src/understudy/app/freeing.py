@@ -21,6 +21,12 @@ def checkpoint(folder: Path, name: str, seed: int) -> Path:
     return folder / f"{name}.seed{seed}.search"
 
 
+def searches(folder: Path, name: str, seeds: range) -> dict[str, str]:
+    """The searches of a clip that are kept, by the ending of their file's name."""
+    kept = [checkpoint(folder, name, seed) for seed in seeds]
+    return {path.name.removeprefix(f"{name}."): str(path) for path in kept if path.is_file()}
+
+
 def freed(
     clip: Clip,
     character: Character,
@@ -78,16 +84,25 @@ def _tracked(clip: Clip, character: Character, settings: Mapping[str, Any]) -> T
     import understudy as us
     from understudy.free_tracking import UnusableSearch
 
+    kept = settings["checkpoint"]
+    before = kept.stat().st_mtime_ns if kept.is_file() else None
     try:
-        return us.track(clip, character, **settings)
+        take = us.track(clip, character, **settings)
     except UnusableSearch:
-        kept = settings["checkpoint"]
         print(
             f"{kept}: was damaged or of another clip or other options; the search begins anew.",
             file=sys.stderr,
         )
         kept.unlink()
         return us.track(clip, character, **settings)
+    if before is not None:
+        # A search writes its file after every pass.
+        done = kept.is_file() and kept.stat().st_mtime_ns == before
+        print(
+            f"{kept}: {'this finished search was used again' if done else 'was gone on from'}.",
+            file=sys.stderr,
+        )
+    return take
 
 
 def badness(take: Take) -> tuple[float, float]:

@@ -13,6 +13,7 @@ import json
 import os
 import re
 import sys
+import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -212,7 +213,12 @@ def _run(name: str, arguments: list[str], as_json: bool) -> int:
 
 
 def explained(error: Exception) -> tuple[str, int]:
-    """One line for a person and the exit status, for anything a command can raise."""
+    """One line for a person and the exit status, for anything a command can raise.
+
+    With UNDERSTUDY_DEBUG the traceback goes to standard error first.
+    """
+    if os.environ.get("UNDERSTUDY_DEBUG"):
+        traceback.print_exception(error)
     if isinstance(error, Diverged):
         return str(error), PARTLY
     if isinstance(error, UnderstudyError):

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from understudy.app.body import Body, character_for
 from understudy.app.outcome import plain
 from understudy.app.reading import Reading, clip_from
-from understudy.errors import ControllerFailed, Diverged, InvalidValue, UnderstudyError
+from understudy.errors import ControllerFailed, Diverged, InvalidValue, UnderstudyError, shown
 from understudy.motion.files import same_file, writable
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def performed(job: Job) -> Row:
         name=job.name,
         status=int(cut_short(found)),
         certificate=found,
-        files=files,
+        files=files | searched(job),
         notes=() if reference is None else reference.notes,
         wall_s=time.monotonic() - started,
     )
@@ -144,6 +144,16 @@ def taken(clip: Clip, character: Character, job: Job) -> Take:
     if job.settings.get("pelvis") != "free":
         return us.track(clip, character, **job.settings)
     return freed(clip, character, job.settings, seeds=job.seeds, folder=job.folder, name=job.name)
+
+
+def searched(job: Job) -> dict[str, str]:
+    """The files of a job's searches, by their ending; none where nothing was searched."""
+    from understudy.app.freeing import searches
+
+    if job.settings.get("pelvis") != "free":
+        return {}
+    first = job.settings.get("seed", 0)
+    return searches(job.folder, job.name, range(first, first + job.seeds))
 
 
 def foreseen(take: Take) -> dict[str, Any] | None:
@@ -183,6 +193,18 @@ def ready(folder: Path) -> None:
     except OSError as error:
         reason = error.strerror or error
         raise UnderstudyError(f"{folder}: cannot be written: {reason}.") from None
+
+
+def check_name(name: str) -> None:
+    """Refuse a stem that is no part of a file's name, or a path to elsewhere.
+
+    Raises:
+        InvalidValue: Says so.
+    """
+    if not name.strip() or name.startswith(".") or any(c in name for c in "/\\\0\n"):
+        raise InvalidValue(
+            f"--name is {shown(name)}; it must be the stem of a file's name, without a folder."
+        )
 
 
 def spared(target: Path, keep: Iterable[Path]) -> None:

@@ -365,6 +365,10 @@ def text(rows: Sequence[Row]) -> str:
     elif count := sum(len(row.notes) for row in done):
         parts += ["", f"{counted(count, 'note')} on what was read and changed: in each NAME.html."]
     parts += ["", "files:", *(f"  {line}" for line in listed(done))]
+    if any(name.endswith(".search") for row in done for name in row.files):
+        parts += [
+            "The same command goes on from the .search, or uses it again once it is finished."
+        ]
     if len(done) < len(rows):
         parts += ["", f"{len(rows) - len(done)} of {len(rows)} clips failed."]
     return "\n".join(parts)

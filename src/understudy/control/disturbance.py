@@ -29,6 +29,11 @@ class Disturbance:
         _positive(self.time, f"{type(self).__name__}: time", "s", zero=True)
 
     @property
+    def begins(self) -> float:
+        """When it begins to act [s]."""
+        return self.time
+
+    @property
     def pelvis(self) -> None:
         """It has no opinion on what holds the pelvis."""
         return None
@@ -112,6 +117,11 @@ class Throw(Disturbance):
                 "let it fly for less or arrive later."
             )
 
+    @property
+    def begins(self) -> float:
+        """When the ball leaves [s]."""
+        return self.time - self.flight
+
     def fitted(self, reference: Clip, body: Character) -> tuple[Throw, Clip]:
         """Aimed at where the clip has the link when the ball arrives.
 
@@ -165,6 +175,20 @@ class Throw(Disturbance):
             # In the step that gives it speed gravity acts already.
             applied[step, dof : dof + 3] = mass * self.velocity(position, model.opt.gravity) / dt
         return Controls(np.zeros((len(times), model.nu)), applied)
+
+
+def check_times(controllers: Iterable[Any], duration: float) -> None:
+    """Refuse what would happen after the end.
+
+    Raises:
+        InvalidValue: Says what, and when the end is.
+    """
+    for one in controllers:
+        if isinstance(one, Disturbance) and one.begins >= duration > 0.0:
+            raise InvalidValue(
+                f"{type(one).__name__}: begins at {one.begins:g} s; the performance lasts "
+                f"{duration:g} s."
+            )
 
 
 def check_throws(controllers: Iterable[Any]) -> None:

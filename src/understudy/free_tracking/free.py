@@ -29,7 +29,7 @@ from understudy.free_tracking.checkpoint import restore, save
 from understudy.free_tracking.passes import Effort
 from understudy.free_tracking.relay import Relay
 from understudy.motion.clip import Clip
-from understudy.performance import FREE, Performance, tracked
+from understudy.performance import FREE, Performance, tracked, until
 from understudy.performance import FREE_STEP as STEP
 from understudy.scene import timestep_for
 from understudy.simulate import simulate
@@ -138,7 +138,7 @@ def _guided(performance: Performance, **search: Any) -> tuple[Performance, float
         guidance = replace(guidance, character=tracking.character)
         controllers.insert(_place(controllers, tracking), guidance)
         duration = min(duration, alone.duration)
-    return replace(performance, controllers=tuple(controllers), duration=duration), spent
+    return until(replace(performance, controllers=tuple(controllers)), duration), spent
 
 
 def _place(controllers: Sequence[Controller], tracking: Tracking) -> int:
@@ -235,11 +235,8 @@ def _freed(
     best = relay.best
     if best is None:
         raise UnderstudyError(_nothing(relay, timer))
-    found = replace(
-        performance,
-        controllers=(*performance.controllers, best),
-        duration=min(performance.duration, len(best.offsets) * best.window),
-    )
+    found = replace(performance, controllers=(*performance.controllers, best))
+    found = until(found, min(performance.duration, len(best.offsets) * best.window))
     return found, relay.spent + clock.process_time() - started
 
 
