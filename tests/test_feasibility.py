@@ -53,6 +53,13 @@ def test_a_body_that_stands_still_is_borne_by_the_ground():
     np.testing.assert_allclose(found.ground, 100.0, atol=0.2)
 
 
+def test_a_clip_of_a_moment_is_too_short_to_tell():
+    found = assess(held(raised(statue(0.1), 0.3)))
+    assert found.outlook == "too short to tell"
+    assert str(found) == "100 %: too short to tell; it takes 0.15 s."
+    assert assess(held(raised(statue(0.15), 0.3))).outlook == "will need help from above"
+
+
 def test_a_body_that_hangs_in_the_air_lacks_its_whole_weight():
     found = assess(held(raised(statue(), 0.3)))
     assert found.score == pytest.approx(100.0, abs=0.1)

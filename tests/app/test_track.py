@@ -301,3 +301,20 @@ def test_out_must_be_a_folder(short, tmp_path, capsys):
         assert main(["track", str(short), "--out", str(folder)]) == 2
         assert "needs a folder" in capsys.readouterr().err
     assert file.read_text() == "mine"
+
+
+@pytest.mark.parametrize(("free", "says"), [(True, "this one did"), (False, "will need help")])
+def test_after_a_free_performance_no_help_is_foreseen(free, says):
+    row = performing.Row(
+        clip="leap.bvh",
+        name="leap",
+        certificate={
+            "feasibility": {"statement": "31 %: will need help from above; the peak is at 1 s."},
+            "fully_physical": free,
+            "characters": [{"following": {"free": free}}],
+        },
+    )
+    said = track.expected(row)
+    assert said.startswith("Foreseen from the clip: missing 31 %: ") and says in said
+    assert said.endswith("the peak is at 1 s.")
+    assert ("help" in said) is not free

@@ -241,6 +241,19 @@ def test_what_has_no_legs_has_no_gait() -> None:
         gait_of("walk.bvh")  # pyright: ignore[reportArgumentType]
 
 
+@pytest.mark.parametrize("start", [np.nan, -1.0, 5.0, 1e9, "late"])
+def test_a_start_that_is_no_time_of_the_motion_is_refused(start: float) -> None:
+    with pytest.raises(InvalidValue, match="start is"):
+        gait_of(us.sample("walk"), start=start)
+
+
+def test_without_a_whole_cycle_there_is_no_speed() -> None:
+    short = gait_of(us.sample("walk").trimmed(0.0, 0.6))
+    assert str(short).startswith("walk: no whole cycle, by motion of the soles")
+    assert "m/s" not in str(short)
+    assert (short.as_dict()["speed_m_s"], short.as_dict()["runs"]) == (None, None)
+
+
 def test_a_linkage_is_measured_by_its_clip() -> None:
     clip = us.sample("walk").trimmed(0.0, 0.6)
     take = us.simulate(us.driven(clip, us.Linkage.from_clip(clip)))

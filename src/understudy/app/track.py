@@ -358,9 +358,7 @@ def text(rows: Sequence[Row]) -> str:
         parts += ["", *folded(done[0].certificate["statement"])]
         parts += [CUT_SHORT] if early(done[0]) else []
         foreseen = done[0].certificate["feasibility"]
-        parts += (
-            folded(f"Foreseen from the clip: missing {foreseen['statement']}") if foreseen else []
-        )
+        parts += folded(expected(done[0])) if foreseen else []
         parts += [line for note in done[0].notes for line in folded(note, "  ")]
     elif count := sum(len(row.notes) for row in done):
         parts += ["", f"{counted(count, 'note')} on what was read and changed: in each NAME.html."]
@@ -372,6 +370,17 @@ def text(rows: Sequence[Row]) -> str:
     if len(done) < len(rows):
         parts += ["", f"{len(rows) - len(done)} of {len(rows)} clips failed."]
     return "\n".join(parts)
+
+
+def expected(row: Row) -> str:
+    """What was foreseen of a clip; of one that was free after all, not the help it did not need."""
+    from understudy.feasibility import NEEDS_HELP
+
+    said = f"Foreseen from the clip: missing {row.certificate['feasibility']['statement']}"
+    followed = row.certificate["characters"][0]["following"]
+    if row.certificate["fully_physical"] and followed and followed["free"]:
+        return said.replace(NEEDS_HELP, "such clips seldom stand free; this one did")
+    return said
 
 
 def counted(number: int, thing: str) -> str:

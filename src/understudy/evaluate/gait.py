@@ -131,8 +131,8 @@ class Gait:
             "mass_kg": self.mass,
             "height_m": self.height,
             "leg_length_m": self.leg_length,
-            "speed_m_s": self.speed,
-            "runs": self.runs,
+            "speed_m_s": self.speed if self.cycles else None,
+            "runs": self.runs if self.cycles else None,
             "figures": {
                 name: {"mean": s.mean, "sd": s.sd, "count": s.count}
                 for name, s in self.figures().items()
@@ -160,7 +160,8 @@ class Gait:
         }
 
     def __str__(self) -> str:
-        lines = [f"{self.name}: {len(self.cycles)} cycles at {self.speed:.2f} m/s, by {self.kind}"]
+        paced = f"{len(self.cycles)} cycles at {self.speed:.2f} m/s"
+        lines = [f"{self.name}: {paced if self.cycles else 'no whole cycle'}, by {self.kind}"]
         lines += [
             f"  {name:<28}{s.mean:9.3f} ± {s.sd:.3f}  ({s.count})"
             for name, s in self.figures().items()
@@ -184,17 +185,26 @@ def gait_of(
         name: What to call it; by default the clip's or the character's name.
 
     Raises:
-        InvalidValue: No person with two legs; or too short a clip.
+        InvalidValue: No person with two legs; too short a clip; or a start that is no time in it.
     """
     if isinstance(motion, Clip):
+        _check_start(start, motion.duration)
         mover = named(of_clip(motion), name)
         return _gait(mover, _late(stances_by_motion(mover), start), None)
     if not isinstance(motion, Measured):
         expect(getattr(motion, "qpos", None), np.ndarray, "motion", "a clip or a take")
         motion = measured(motion)
+    _check_start(start, float(motion.times[-1]))
     mover = named(of_measured(motion, character), name)
     stances = _late(stances_by_force(motion, character), start)
     return _gait(mover, stances, (motion.times, foot_forces(motion, character)))
+
+
+def _check_start(start: float, end: float) -> None:
+    expect(start, (int, float, np.number), "start", "a time [s]")
+    # A NaN fails the comparison too.
+    if not 0.0 <= start < end:
+        raise InvalidValue(f"start is {start:g} s; it must be a time from 0 to {end:g} s.")
 
 
 def _late(stances: Sequence[Stance], start: float) -> tuple[Stance, ...]:

@@ -4,7 +4,7 @@ In: a `Performance` that tracks a clip. Out: a `Feasibility`: the force and torq
 that contact with the ground cannot explain, over time, one score, and why.
 """
 
-from understudy.feasibility.assess import Feasibility, assess
+from understudy.feasibility.assess import NEEDS_HELP, Feasibility, assess
 from understudy.feasibility.reasons import Moment
 
-__all__ = ["Feasibility", "Moment", "assess"]
+__all__ = ["NEEDS_HELP", "Feasibility", "Moment", "assess"]

@@ -26,6 +26,9 @@ SMOOTHING = 0.125
 # Of 36 captured clips that a sampling search tried to perform without help, it did all 26 that
 # scored up to SURE, three of four up to LIKELY, and one of six above.
 SURE, LIKELY = 7.0, 20.0
+NEEDS_HELP, TOO_SHORT = "will need help from above", "too short to tell"
+# Accelerations of less than this [s] are those of the filter they are taken with.
+SHORTEST = 0.15
 # A peak this far above the score [% of body weight] is worth a word.
 WORTH = 20.0
 
@@ -72,14 +75,18 @@ class Feasibility:
     @property
     def outlook(self) -> str:
         """What the score promises, in a few words."""
+        if self.times[-1] - self.times[0] < SHORTEST - 1e-9:
+            return TOO_SHORT
         if round(self.score) <= SURE:
             return "will stand free"
         if round(self.score) <= LIKELY:
             return "may stand free"
-        return "will need help from above"
+        return NEEDS_HELP
 
     def __str__(self) -> str:
         said = f"{self.score:.0f} %: {self.outlook}"
+        if self.outlook == TOO_SHORT:
+            return f"{said}; it takes {SHORTEST:g} s."
         at = self.peak_time
         worst = next((m for m in self.moments if m.start <= at <= m.end), None)
         if worst is None:
