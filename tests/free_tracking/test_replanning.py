@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -62,6 +63,16 @@ def test_a_body_pushed_far_plans_anew_and_is_nearer_in_the_end(
 
 def test_planning_anew_is_the_same_every_time(planning: Performance) -> None:
     assert np.array_equal(pushed(planning).qpos, pushed(planning).qpos)
+
+
+def test_a_take_file_keeps_how_it_plans(planning: Performance, tmp_path: Path) -> None:
+    take = pushed(planning)
+    us.write(take, tmp_path / "pushed.take.npz")
+    again = us.load_take(tmp_path / "pushed.take.npz").performance
+    assert again is not None
+    assert np.array_equal(simulate(again).qpos, take.qpos)
+    (one,) = (c for c in again.controllers if isinstance(c, Replanning))
+    assert one.foresight == QUICK and one.function.planned > 0
 
 
 def test_a_second_body_plans_in_its_own_place(guided: Performance) -> None:

@@ -82,29 +82,41 @@ def replanned(performance: Performance, foresight: Foresight | None = None) -> P
     tracking = {c.character: c for c in controllers if isinstance(c, Tracking)}
     for k, one in enumerate(controllers):
         if isinstance(one, Guidance):
-            alone = by_itself(performance, tracking[one.character])
-            part = performance.scene.parts[one.character]
-            planner = Planner(alone, replace(one, character=0), part, foresight, performance.seed)
             controllers[k] = Replanning(
-                function=planner,
-                period=performance.scene.timestep,
+                world=by_itself(performance, tracking[one.character]),
                 guidance=one,
                 foresight=foresight,
+                seed=performance.seed,
             )
     return replace(performance, controllers=tuple(controllers))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Replanning(PythonController):
-    """A guidance that plans anew; see `replanned`.
+    """A guidance that plans anew; see `replanned`. Plain values make it, so take files hold it.
 
     Attributes:
+        world: The body by itself, as it plans.
         guidance: What it follows while the body is near its plan.
         foresight: How it plans.
+        seed: Of its chances.
+        function: The `Planner` made of these.
+        period: One step [s].
     """
 
+    function: Any = field(init=False, repr=False)
+    period: float = field(init=False)
+    world: Performance = field(repr=False)
     guidance: Guidance = field(repr=False)
     foresight: Foresight
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        own = replace(self.guidance, character=0)
+        planner = Planner(self.world, own, self.foresight, self.seed)
+        object.__setattr__(self, "function", planner)
+        object.__setattr__(self, "period", self.world.scene.timestep)
+        super().__post_init__()
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -112,8 +124,9 @@ class Replanning(PythonController):
         return {**self.guidance.facts, "replanning": asdict(self.foresight)}
 
     def configure(self, scene: Scene, model: mujoco.MjModel) -> None:
-        """Leave the limits of the servos to the law."""
+        """Leave the limits of the servos to the law; find the body."""
         limit_commands(scene, model, self.guidance.character)
+        self.function.enter(scene.parts[self.guidance.character])
 
 
 class Planner:
@@ -122,15 +135,13 @@ class Planner:
     Args:
         world: The body by itself, as it plans.
         guidance: Of the body there.
-        part: Where the body is in the arrays of the scene it performs in.
         foresight: How it plans.
         seed: Of its chances.
     """
 
-    def __init__(
-        self, world: Performance, guidance: Guidance, part: Part, foresight: Foresight, seed: int
-    ):
-        self._guidance, self._foresight, self._part, self._seed = guidance, foresight, part, seed
+    def __init__(self, world: Performance, guidance: Guidance, foresight: Foresight, seed: int):
+        self._guidance, self._foresight, self._seed = guidance, foresight, seed
+        self._part = world.scene.parts[0]
         search, scene = Search(world, threads=1), world.scene
         self._model, self._course = search.model, search.course
         self._here = scene.parts[0]
@@ -143,6 +154,10 @@ class Planner:
         self._goal = replace(goal, marks=marks)
         self._step, self._every = scene.timestep, round(guidance.window / scene.timestep)
         self.planned = 0
+
+    def enter(self, part: Part) -> None:
+        """Take a body's place in the arrays of the scene it performs in."""
+        self._part = part
 
     def __call__(self, time: float, data: mujoco.MjData) -> None:
         """Turn the commands, as `guidance_law.law` does; `planned` counts windows planned anew."""

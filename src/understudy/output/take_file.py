@@ -39,6 +39,7 @@ _HOMES = (
     "understudy.scene.",
     "understudy.control.",
     "understudy.performance",
+    "understudy.free_tracking.replanning",
     "understudy.take",
 )
 _NOT_STORED = {"performance", "model"}
@@ -53,8 +54,8 @@ _DEPTH = 40
 def save_take(take: Take, path: str | PathLike[str]) -> None:
     """Write a take, with its scene and clips, to an .npz file.
 
-    What was asked for (`take.performance`) is kept only where it has a guidance: a search found
-    that, and the take can be performed again, with more besides.
+    What was asked for (`take.performance`) is kept only where it has a guidance, be it one that
+    plans anew: a search found that, and the take can be performed again, with more besides.
 
     Raises:
         UnderstudyError: The file cannot be written, or the scene holds a value that is not plain
@@ -67,7 +68,9 @@ def save_take(take: Take, path: str | PathLike[str]) -> None:
     timing = {name: take.facts[name] for name in _TIMING if name in take.facts}
     facts = {name: value for name, value in take.facts.items() if name not in timing}
     plan = take.performance
-    guided = plan is not None and any(isinstance(c, Guidance) for c in plan.controllers)
+    guided = plan is not None and any(
+        isinstance(getattr(c, "guidance", c), Guidance) for c in plan.controllers
+    )
     document = {
         "format": _FORMAT,
         "version": _VERSION,
