@@ -14,7 +14,7 @@ the tenth of a second on either side. Three kinds are told apart:
             degrees a second: spread over a tenth of a second
 
 The root's path is repaired in the same way, for spikes only. A kick, a run, a clap have fast frames
-but not such edges and are left alone.
+but not such edges and are left alone. A joint that shakes is steadied (`motion.jitter`).
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from scipy.interpolate import PchipInterpolator
 
 from understudy.motion import rotations as rot
 from understudy.motion.clip import Clip
+from understudy.motion.jitter import steadied
 from understudy.motion.rotations import Array
 
 # Degrees (per frame) and degrees per second that a spike, a flip and a step exceed; the fastest
@@ -53,7 +54,7 @@ class Repair:
 
     Attributes:
         joint: The joint's name, or "root position".
-        kind: "spike", "flip" or "step".
+        kind: "spike", "flip", "step" or "jitter".
         start: Time of the first changed frame [s].
         end: Time of the last changed frame [s].
         before: Largest change from frame to frame in it, before [degrees; meters for the root].
@@ -61,7 +62,7 @@ class Repair:
     """
 
     joint: str
-    kind: Literal["spike", "flip", "step"]
+    kind: Literal["spike", "flip", "step", "jitter"]
     start: float
     end: float
     before: float
@@ -79,13 +80,17 @@ def repair(clip: Clip) -> tuple[Clip, tuple[Repair, ...]]:
     repairs: list[Repair] = []
     if clip.frames < 5:
         return clip, ()
+    path, root_repairs = _repaired_path(clip.root_positions, clip.rate)
     for joint, name in enumerate(clip.skeleton.names):
         track = _Track(turned[:, joint], clip.rate)
         for kind, first, last, before in track.repair():
             after = float(_steps(track.q[max(first - 1, 0) : last + 2]).max(initial=0.0))
             repairs.append(_report(name, kind, first, last, before, after, clip.rate))
         turned[:, joint] = track.q
-    path, root_repairs = _repaired_path(clip.root_positions, clip.rate)
+        # Before what hangs on it: thighs that turn against a shaking pelvis are right.
+        given = turned, path, clip.skeleton.parents, clip.rate
+        turned, path, calmed = steadied(*given, joint)
+        repairs += [_report(name, "jitter", *stretch, clip.rate) for stretch in calmed]
     repairs += root_repairs
     if not repairs:
         return clip, ()
@@ -96,7 +101,7 @@ def repair(clip: Clip) -> tuple[Clip, tuple[Repair, ...]]:
 def _report(
     joint: str, kind: str, first: int, last: int, before: float, after: float, rate: float
 ) -> Repair:
-    assert kind in ("spike", "flip", "step")
+    assert kind in ("spike", "flip", "step", "jitter")
     return Repair(
         joint=joint, kind=kind, start=first / rate, end=last / rate, before=before, after=after
     )
@@ -109,7 +114,8 @@ def _notes(repairs: list[Repair]) -> Iterator[str]:
             size = f"{1000.0 * max(r.before for r in found):.0f} mm"
         else:
             size = f"{max(r.before for r in found):.0f} degrees a frame"
-        count = f"{len(found)} {kind}{'s' if len(found) > 1 else ''}"
+        many = "stretches of jitter" if kind == "jitter" else f"{kind}s"
+        count = f"{len(found)} {many if len(found) > 1 else kind}"
         times = ", ".join(f"{r.start:.2f}" for r in found[:6])
         more = ", ..." if len(found) > 6 else ""
         yield f"Repaired {joint}: {count} of up to {size}, at {times}{more} s."
