@@ -1,7 +1,7 @@
 """Down the ladder of help, every window by itself, to none; up again where it failed.
 
 A window that was passed goes a step down. Where a pass fell, the windows shortly before go half way
-back to what worked, or are tried again where nothing did. After a pass without help a last one
+back to what worked, to whole help where nothing did. After a pass without help a last one
 polishes it. A pass that stayed near its goal spares the last rung, and the polish.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from understudy.motion.rotations import Array
 
-_RUNGS = (1.0, 0.3, 0.1, 0.0)
+_RUNGS = (0.3, 0.1, 0.0)
 _EASY = 2.5  # Mean cost of a pass that stayed near its goal.
 _NEAR = 0.05  # Closer than this to what worked, what worked is tried again.
 _MORE, _MOST = 1.3, 2.0  # More children after a fall, at most so many times.
@@ -44,10 +44,10 @@ class Ladder:
     done: bool = False
 
     @classmethod
-    def whole(cls, windows: int, children: int) -> Ladder:
-        """The first try: whole help everywhere."""
-        never = np.full(windows, np.inf)
-        return cls(children=children, usual=children, scales=np.ones(windows), worked=never)
+    def first(cls, windows: int, children: int) -> Ladder:
+        """The first try: the same help everywhere."""
+        first, never = np.full(windows, _RUNGS[0]), np.full(windows, np.inf)
+        return cls(children=children, usual=children, scales=first, worked=never)
 
     def after(self, reached: int, *, strayed: int | None = None, cost: float = np.inf) -> Ladder:
         """The ladder after a pass.
@@ -66,7 +66,7 @@ class Ladder:
         good = windows if through else max(0, fell - MARGIN)
         scales, worked = self.scales.copy(), self.worked.copy()
         worked[:good] = scales[:good]
-        rungs = _RUNGS[:2] + _RUNGS[3:] if cost < _EASY else _RUNGS
+        rungs = (_RUNGS[0], _RUNGS[-1]) if cost < _EASY else _RUNGS
         scales[:good] = [max(s for s in rungs if s < own or s == 0.0) for own in scales[:good]]
         children = self.usual
         if not through:

@@ -112,7 +112,7 @@ class Search:
         self.layout = layout(performance.scene, self.model, character)
         part = Stretch(first=0, last=performance.steps) if stretch is None else stretch
         self.course = self._course(part, States.of(data) if part.start is None else part.start)
-        self.ladder = Ladder.whole(self.windows, self.effort.children)
+        self.ladder = Ladder.first(self.windows, self.effort.children)
         self.dynamics: list[Dynamics | None] = [None] * self.windows
         self.best: Guidance | None = None
         self.states: States | None = None
