@@ -10,7 +10,7 @@ frame. The stretch is drawn smoothly; what hangs on the joint keeps its orientat
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.ndimage import find_objects, gaussian_filter1d, label, maximum_filter1d
@@ -64,8 +64,8 @@ def steadied(
     off = np.degrees(rot.angle_between(own, _smooth_turns(own, _SEEN * rate)))
     if not (off > least).any():
         return rotations, path, []
-    nearby = maximum_filter1d(off > least, 2 * round(_NEARBY * rate) + 1)
-    wide = maximum_filter1d(nearby & (off > _LESSER * least), 2 * round(_AROUND * rate) + 1)
+    nearby: Any = maximum_filter1d(off > least, 2 * round(_NEARBY * rate) + 1)
+    wide: Any = maximum_filter1d(nearby & (off > _LESSER * least), 2 * round(_AROUND * rate) + 1)
     weight = gaussian_filter1d(wide.astype(float), _EASE * rate, mode="nearest")
     calm = rot.slerp(own, _smooth_turns(own, _DRAWN * rate), weight)
     out = np.array(rotations)
@@ -82,7 +82,7 @@ def steadied(
     return out, path, list(_stretches(wide, own, calm))
 
 
-def _center(root: Array, path: Array, shakes: Array, deviation: float) -> Array:
+def _center(root: Array, path: Array, shakes: Any, deviation: float) -> Array:
     """The point of the root about which it shakes [m], (3,): its path shakes the least."""
     axes = np.stack([rot.rotate(root, axis) for axis in np.eye(3)], axis=2)
     shaking, moving = (x - _smooth(x, deviation) for x in (axes, path))
@@ -90,7 +90,7 @@ def _center(root: Array, path: Array, shakes: Array, deviation: float) -> Array:
     return np.linalg.solve(a.T @ a + _NO_ANSWER * np.eye(3), a.T @ b)
 
 
-def _stretches(wide: Array, root: Array, calm: Array) -> Iterator[Steadied]:
+def _stretches(wide: Any, root: Array, calm: Array) -> Iterator[Steadied]:
     labeled: tuple[Array, int] = label(wide)  # type: ignore[assignment]
     for (span,) in find_objects(labeled[0]):
         before, after = (
