@@ -87,7 +87,7 @@ def _center(root: Array, path: Array, shakes: Any, deviation: float) -> Array:
     axes = np.stack([rot.rotate(root, axis) for axis in np.eye(3)], axis=2)
     shaking, moving = (x - _smooth(x, deviation) for x in (axes, path))
     a, b = shaking[shakes].reshape(-1, 3), -moving[shakes].reshape(-1)
-    return np.linalg.solve(a.T @ a + _NO_ANSWER * np.eye(3), a.T @ b)
+    return np.linalg.solve(a.T @ a + _NO_ANSWER * np.eye(3), a.T @ b).astype(np.float64)
 
 
 def _stretches(wide: Any, root: Array, calm: Array) -> Iterator[Steadied]:
