@@ -6,15 +6,11 @@ CSV, all numbers as JSON.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from tqdm import tqdm
-
 from understudy.errors import UnknownName
-from understudy.motion.files import written
 from understudy.papers.finding import Finding, held_of
 from understudy.papers.hodgins1995.likeness import alike
 from understudy.papers.hodgins1995.limbs import limbs
@@ -23,11 +19,9 @@ from understudy.papers.hodgins1995.pictures import running_pictures
 from understudy.papers.hodgins1995.runs import Captured, captured_runs
 from understudy.papers.hodgins1995.speeds import abrupt, speeds
 from understudy.papers.hodgins1995.states import bodies, machine
-from understudy.papers.sheets import as_csv, plain
+from understudy.papers.reproduction import Makers, findings_of, write_files
 
 __all__ = ["PARTS", "Reproduced", "as_dict", "reproduce", "write"]
-
-_Makers = tuple[tuple[int, Callable[[], Finding]], ...]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,21 +46,21 @@ class Reproduced:
         return held_of(self.findings)
 
 
-def _running(captured: tuple[Captured, ...], quick: bool) -> _Makers:
+def _running(captured: tuple[Captured, ...], quick: bool) -> Makers:
     """What is measured of the runner, each with about how long it takes."""
     return (
-        (6, lambda: running_pictures(captured, quick=quick)),
-        (1, bodies),
-        (2, lambda: machine(quick=quick)),
-        (3, lambda: limbs(quick=quick)),
-        (6, lambda: speeds(captured, quick=quick)),
-        (2, lambda: abrupt(quick=quick)),
-        (2, lambda: following(quick=quick)),
-        (2, lambda: alike(captured, quick=quick)),
+        (6, lambda: [running_pictures(captured, quick=quick)]),
+        (1, lambda: [bodies()]),
+        (2, lambda: [machine(quick=quick)]),
+        (3, lambda: [limbs(quick=quick)]),
+        (6, lambda: [speeds(captured, quick=quick)]),
+        (2, lambda: [abrupt(quick=quick)]),
+        (2, lambda: [following(quick=quick)]),
+        (2, lambda: [alike(captured, quick=quick)]),
     )
 
 
-PARTS: dict[str, Callable[[tuple[Captured, ...], bool], _Makers]] = {"running": _running}
+PARTS: dict[str, Callable[[tuple[Captured, ...], bool], Makers]] = {"running": _running}
 """Parts of the paper that can be run again."""
 
 
@@ -92,19 +86,7 @@ def reproduce(
     if part not in PARTS:
         raise UnknownName("part", part, PARTS)
     captured = captured_runs(folder)
-    makers = PARTS[part](captured, quick)
-    findings: list[Finding] = []
-    with tqdm(
-        total=sum(cost for cost, _ in makers),
-        desc="figures",
-        bar_format="{desc} {percentage:3.0f} %|{bar}| {elapsed}",
-        delay=1.0,
-        disable=None if progress else True,
-        leave=False,
-    ) as bar:
-        for cost, make in makers:
-            findings.append(make())
-            bar.update(cost)
+    findings = findings_of(PARTS[part](captured, quick), progress=progress)
     names = tuple(one.name for one in captured)
     return Reproduced(part=part, captured=names, findings=tuple(findings), quick=quick)
 
@@ -115,19 +97,15 @@ def write(found: Reproduced, folder: Path) -> None:
     Raises:
         UnderstudyError: A file cannot be written.
     """
-    from understudy.papers.hodgins1995.page import as_dict, page_html
+    from understudy.papers.hodgins1995 import page
 
-    kept = plain(as_dict(found))
-    texts = {
-        "hodgins1995.html": page_html(found),
-        "hodgins1995.json": json.dumps(kept, indent=2, allow_nan=False, ensure_ascii=False) + "\n",
-    }
-    for finding in found.findings:
-        for sheet in finding.sheets:
-            texts[f"hodgins1995_{sheet.name.lower().replace(' ', '_')}.csv"] = as_csv(sheet)
-    for name, text in texts.items():
-        with written(folder / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    write_files(
+        folder,
+        "hodgins1995",
+        page=page.page_html(found),
+        numbers=page.as_dict(found),
+        sheets=[sheet for finding in found.findings for sheet in finding.sheets],
+    )
 
 
 def as_dict(found: Reproduced) -> dict[str, object]:

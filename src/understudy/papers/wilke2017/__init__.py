@@ -5,13 +5,11 @@ In: a folder of clips, or none. Out: one HTML page, its tables as CSV, all numbe
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
 from understudy.errors import InvalidValue
-from understudy.motion.files import written
-from understudy.papers.sheets import as_csv, plain
+from understudy.papers.reproduction import write_files
 from understudy.papers.wilke2017.cast import casting
 from understudy.papers.wilke2017.experiments import Effort, Reproduced, experiments
 from understudy.papers.wilke2017.page import as_dict, page_html
@@ -76,13 +74,10 @@ def write(found: Reproduced, folder: Path) -> None:
     Raises:
         UnderstudyError: A file cannot be written.
     """
-    texts = {
-        "wilke2017.html": page_html(found),
-        "wilke2017.json": json.dumps(plain(as_dict(found)), indent=2, allow_nan=False) + "\n",
-    }
-    for sheet in (*found.tables, *found.figures.values()):
-        name = sheet.name.lower().replace(" ", "_")
-        texts[f"wilke2017_{name}.csv"] = as_csv(sheet)
-    for name, text in texts.items():
-        with written(folder / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    write_files(
+        folder,
+        "wilke2017",
+        page=page_html(found),
+        numbers=as_dict(found),
+        sheets=(*found.tables, *found.figures.values()),
+    )

@@ -6,16 +6,11 @@ JSON.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from tqdm import tqdm
-
-from understudy.motion.files import written
 from understudy.papers.finding import Finding, held_of
-from understudy.papers.sheets import as_csv, plain
+from understudy.papers.reproduction import Makers, findings_of, write_files
 from understudy.papers.zordan1999.bow import bowing
 from understudy.papers.zordan1999.cast import Cast, casting
 from understudy.papers.zordan1999.drum import drumming
@@ -65,8 +60,7 @@ def reproduce(
         ClipError: No such folder.
     """
     cast = casting(folder, seconds=_QUICK_SECONDS if quick else None)
-    # Each with about how long it takes.
-    makers: tuple[tuple[int, Callable[[], tuple[Finding, ...]]], ...] = (
+    makers: Makers = (
         (4, lambda: (gesturing(cast, quick=quick),)),
         (4, lambda: drumming(quick=quick)),
         (3, lambda: (slapping(quick=quick),)),
@@ -75,18 +69,7 @@ def reproduce(
         (6, lambda: (bowing(quick=quick),)),
         (9, lambda: (clapping(quick=quick),)),
     )
-    findings: list[Finding] = []
-    with tqdm(
-        total=sum(cost for cost, _ in makers),
-        desc="figures",
-        bar_format="{desc} {percentage:3.0f} %|{bar}| {elapsed}",
-        delay=1.0,
-        disable=None if progress else True,
-        leave=False,
-    ) as bar:
-        for cost, make in makers:
-            findings += make()
-            bar.update(cost)
+    findings = findings_of(makers, progress=progress)
     # A film that belongs to a later figure is shown there.
     order = ("drum", "staff", "bow")
     findings.sort(
@@ -104,20 +87,15 @@ def write(found: Reproduced, folder: Path) -> None:
     Raises:
         UnderstudyError: A file cannot be written.
     """
-    from understudy.papers.zordan1999.page import as_dict, page_html
+    from understudy.papers.zordan1999 import page
 
-    kept = plain(as_dict(found))
-    texts = {
-        "zordan1999.html": page_html(found),
-        "zordan1999.json": json.dumps(kept, indent=2, allow_nan=False, ensure_ascii=False) + "\n",
-    }
-    for finding in found.findings:
-        for sheet in finding.sheets:
-            name = sheet.name.lower().replace(" ", "_")
-            texts[f"zordan1999_{name}.csv"] = as_csv(sheet)
-    for name, text in texts.items():
-        with written(folder / name) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    write_files(
+        folder,
+        "zordan1999",
+        page=page.page_html(found),
+        numbers=page.as_dict(found),
+        sheets=[sheet for finding in found.findings for sheet in finding.sheets],
+    )
 
 
 def as_dict(found: Reproduced) -> dict[str, object]:
