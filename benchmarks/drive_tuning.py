@@ -20,7 +20,7 @@ import numpy as np
 from understudy import Linkage, drive_error, driven, read, simulate
 from understudy.drive_tuning import tune_drive
 from understudy.papers.wilke2017.cast import with_paper_names
-from understudy.papers.wilke2017.experiments import kick_table
+from understudy.papers.wilke2017.figures import kick_table
 from understudy.papers.wilke2017.published import TABLE_1
 
 SECONDS = 1165 / 60.0

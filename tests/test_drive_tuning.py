@@ -7,7 +7,6 @@ import json
 import numpy as np
 import pytest
 
-from understudy import drive_tuning
 from understudy.character import Linkage
 from understudy.drive_tuning import (
     read_parameters,
@@ -15,6 +14,7 @@ from understudy.drive_tuning import (
     tune_drive,
     write_parameters,
 )
+from understudy.drive_tuning import search as drive_tuning
 from understudy.errors import InvalidValue, UnderstudyError
 from understudy.fidelity import drive_error
 from understudy.motion.samples import sample

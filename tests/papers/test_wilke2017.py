@@ -11,7 +11,9 @@ import understudy as us
 from understudy.errors import InvalidValue
 from understudy.papers.wilke2017 import published
 from understudy.papers.wilke2017.cast import PARTS, casting, with_paper_names
-from understudy.papers.wilke2017.experiments import UNIT, kick_table, kick_window, sag_law
+from understudy.papers.wilke2017.experiments import sag_law
+from understudy.papers.wilke2017.figures import kick_table, kick_window
+from understudy.papers.wilke2017.runs import UNIT
 
 
 def test_the_standard_figure_plays_the_papers_joints():

@@ -20,14 +20,9 @@ from understudy.papers.stills import STYLE as STILLS_STYLE
 from understudy.papers.stills import Strip, strips_html
 from understudy.papers.wilke2017 import published
 from understudy.papers.wilke2017.cast import PARTS
-from understudy.papers.wilke2017.experiments import (
-    TUNED_ON,
-    UNIT,
-    Reproduced,
-    kick_height,
-    kick_window,
-    sag_law,
-)
+from understudy.papers.wilke2017.experiments import TUNED_ON, Reproduced, sag_law
+from understudy.papers.wilke2017.figures import kick_height, kick_window
+from understudy.papers.wilke2017.runs import UNIT
 
 SETTINGS = (
     f"1 unit = {1e3 * UNIT:.2f} mm (a BVH unit of the CMU motions). Gravity 9.81 units/s^2, scale "

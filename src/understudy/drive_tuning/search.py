@@ -1,15 +1,4 @@
-"""Searches for the drive's parameters K_f, K_vc and n that follow a clip best (equation 4).
-
-Two searches over one objective, the squared position error of the paper's law:
-
-- `monte_carlo`: algorithm 1 of Wilke & Semwal 2017, a random walk of K_f and K_vc that tries every
-  order n in turn. The walk does not depend on results, so all points of a run are drawn first and
-  run as one batch on all cores.
-- `cma`: CMA-ES (Hansen), which needs a tenth of the simulations.
-
-An explicit step bears K_f dt < 2 only. The published walk may leave that range, where the bodies
-fly apart; here it is reflected at both ends of it, so that no simulation is wasted.
-"""
+"""The two searches of drive parameters: a random walk and CMA-ES."""
 
 from __future__ import annotations
 
@@ -17,7 +6,7 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -27,6 +16,7 @@ from tqdm import tqdm
 from understudy.character import Linkage
 from understudy.control import Drive
 from understudy.control.differences import ORDERS
+from understudy.drive_tuning.trials import DriveTrial, TunedDrive
 from understudy.errors import Diverged, InvalidValue, UnderstudyError, require
 from understudy.fidelity import drive_error
 from understudy.motion.clip import Clip
@@ -52,63 +42,6 @@ _MOST = 0.98
 # CMA-ES: bounds and first widths of K_f dt / 2, of K_vc over rate and scale, and of n's number.
 _LOW, _HIGH, _WIDTHS = (0.02, 0.5), (_MOST, 2.0), (0.25, 0.05, 1.0)
 _CHUNK = 64
-_FORMAT = "understudy drive parameters 1"
-
-
-@dataclass(frozen=True, kw_only=True)
-class DriveTrial:
-    """One simulation of a search.
-
-    Attributes:
-        gain: K_f [1/s].
-        speed: K_vc, clip velocities per frame to simulated ones per second.
-        order: Order n of the central differences.
-        error: Equation 4 [units^2]; infinite where the simulation diverged.
-        variance: Variance over joints of their mean squared errors [units^4].
-    """
-
-    gain: float
-    speed: float
-    order: int
-    error: float
-    variance: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class TunedDrive:
-    """The result of a search.
-
-    Attributes:
-        best: The trial of least error, the first of equals.
-        trials: Every trial in the order of the search.
-        settings: What was searched: clip, linkage, method, rate, gravity, scale, unit, seed, ...
-    """
-
-    best: DriveTrial
-    trials: tuple[DriveTrial, ...] = field(repr=False)
-    settings: dict[str, Any] = field(repr=False)
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """Keyword arguments of `driven` that use the best trial on any clip."""
-        return parameters_of(self.best, self.settings)
-
-    def simulations_to(self, error: float) -> int | None:
-        """How many simulations the search took to reach an error [units^2]; None if it did not."""
-        for count, trial in enumerate(self.trials, 1):
-            if trial.error <= error:
-                return count
-        return None
-
-    def __str__(self) -> str:
-        s, b = self.settings, self.best
-        return (
-            f"{s['kind']}: squared error {b.error:.4g} units^2 (variance {b.variance:.3g}) at K_f "
-            f"{b.gain:.4g} /s, K_vc {b.speed:.4g}, n {b.order}, after {len(self.trials)} "
-            f"simulations of {s['duration_s']:.4g} s [1 unit = {1e3 * s['unit_m']:.4g} mm, gravity "
-            f"{s['gravity_units_per_s2']:.4g} units/s^2, scale {s['scale']:g}, step "
-            f"{1e3 / s['rate_hz']:.4g} ms]"
-        )
 
 
 def tune_drive(
@@ -413,122 +346,3 @@ def _write(
     with written(path) as temporary:
         text = json.dumps({"settings": settings, "trials": rows}, indent=1, allow_nan=False)
         temporary.write_text(text + "\n", encoding="utf-8")
-
-
-# -- using what was found ---------------------------------------------------------------------
-
-
-def parameters_of(trial: DriveTrial, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Keyword arguments of `driven` for a trial of a search with these settings."""
-    per_second = settings["rate_hz"] * settings["scale"]
-    return {
-        "law": "paper",
-        "rate": settings["rate_hz"],
-        "scale": settings["scale"],
-        "gravity": settings["gravity_m_per_s2"],
-        "gain": trial.gain,
-        "order": trial.order,
-        "velocity_scale": trial.speed / per_second,
-    }
-
-
-def write_parameters(tuned: TunedDrive, path: str | Path) -> None:
-    """Save the best parameters as a small JSON; `read_parameters` gives them back to `driven`.
-
-    Raises:
-        UnderstudyError: The file cannot be written.
-    """
-    saved = {
-        "format": _FORMAT,
-        "driven": tuned.parameters,
-        "K_vc": tuned.best.speed,
-        "error_units2": tuned.best.error,
-        "variance_units4": tuned.best.variance,
-        "simulations": len(tuned.trials),
-        "search": tuned.settings,
-    }
-    with written(path) as temporary:
-        text = json.dumps(saved, indent=2, allow_nan=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
-
-
-def read_parameters(path: str | Path) -> dict[str, Any]:
-    """Keyword arguments of `driven` from a file: `driven(clip, linkage, **read_parameters(path))`.
-
-    Raises:
-        UnderstudyError: The file cannot be read or is none of `write_parameters`.
-    """
-    try:
-        saved = json.loads(Path(path).read_text(encoding="utf-8"))
-        kept = saved["driven"]
-        if saved["format"] != _FORMAT:
-            raise ValueError(f"format {saved['format']!r}")
-        names = ("rate", "scale", "gravity", "gain", "velocity_scale")
-        numbers = {name: float(kept[name]) for name in names}
-        return {"law": str(kept["law"]), "order": int(kept["order"]), **numbers}
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UnderstudyError(f"{path}: holds no drive parameters ({error}).") from None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Transferred:
-    """Parameters tuned on one clip used on another: a row of the paper's table 2.
-
-    Attributes:
-        clip: Name of the clip.
-        kind: Kind of linkage.
-        duration: [s].
-        travel: Greatest distance of the root from where it began, over ground [units].
-        error: Equation 4 [units^2], infinite where the simulation diverged.
-        variance: Over joints [units^4].
-        gap: Largest joint gap [units].
-    """
-
-    clip: str
-    kind: str
-    duration: float
-    travel: float
-    error: float
-    variance: float
-    gap: float
-
-
-def transferred(
-    clips: Sequence[Clip],
-    parameters: Mapping[str, Mapping[str, Any]],
-    *,
-    unit: float | None = None,
-    threads: int | None = None,
-) -> list[Transferred]:
-    """Errors on clips of parameters tuned elsewhere (table 2), clip by clip, kind by kind.
-
-    Args:
-        clips: Any clips.
-        parameters: Keyword arguments of `driven` by kind of linkage.
-        unit: Meters per unit; by default each clip's own.
-        threads: Simulations at a time; all cores by default.
-    """
-
-    def run(pair: tuple[Clip, str]) -> Transferred:
-        clip, kind = pair
-        linkage = Linkage.from_clip(clip, kind, unit=unit)  # type: ignore[arg-type]
-        ground = clip.root_positions[:, :2]
-        away = np.linalg.norm(ground - ground[0], axis=1).max() / linkage.unit
-        row = Transferred(
-            clip=clip.name,
-            kind=kind,
-            duration=clip.duration,
-            travel=float(away),
-            error=np.inf,
-            variance=np.inf,
-            gap=np.inf,
-        )
-        try:
-            found = drive_error(simulate(driven(clip, linkage, **parameters[kind])))
-        except Diverged:
-            return row
-        return replace(row, error=found.mean, variance=found.variance, gap=found.gap_max)
-
-    pairs = [(clip, kind) for clip in clips for kind in parameters]
-    with quiet_engine(), ThreadPoolExecutor(max(1, threads or os.cpu_count() or 1)) as pool:
-        return list(pool.map(run, pairs))
