@@ -53,6 +53,30 @@ def test_a_body_that_stands_still_is_borne_by_the_ground():
     np.testing.assert_allclose(found.ground, 100.0, atol=0.2)
 
 
+def test_a_body_too_weak_for_it_is_told_where_and_when():
+    strong = assess(held(statue()))
+    assert strong.strain is not None and strong.strain.share < 0.3
+    links = [
+        link if link.torque_limit is None else replace(link, torque_limit=0.05 * link.torque_limit)
+        for link in BODY.links
+    ]
+    weak = assess(held(statue(), replace(BODY, links=tuple(links))))
+    assert weak.strain is not None and weak.strain.joint == strong.strain.joint
+    assert weak.strain.share == pytest.approx(20.0 * strong.strain.share)
+    assert weak.outlook == "will need help from above"
+    assert "times a person's strength at" in str(weak)
+    told = weak.as_dict()
+    assert told["strain_percent"] == pytest.approx(100.0 * weak.strain.share)
+    assert told["strain_joint"] == weak.strain.joint
+
+
+def test_of_a_body_of_unknown_strength_no_strain_is_told():
+    links = tuple(replace(link, torque_limit=None) for link in BODY.links)
+    found = assess(held(statue(), replace(BODY, links=links)))
+    assert found.strain is None and found.as_dict()["strain_percent"] is None
+    assert found.outlook == "will stand free"
+
+
 def test_a_clip_of_a_moment_is_too_short_to_tell():
     found = assess(held(raised(statue(0.1), 0.3)))
     assert found.outlook == "too short to tell"
