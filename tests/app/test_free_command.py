@@ -73,6 +73,9 @@ def test_what_the_search_cost_is_told_again(freely, short):
     before = cost()
     assert main(["track", str(short), "--pelvis", "free", "--out", str(freely)]) == 0
     assert 0.9 * before < cost() < before + 5.0
+    before = cost()
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(freely)]) == 0
+    assert cost() == before  # only read again
 
 
 @pytest.mark.parametrize("damaged", [False, True])
