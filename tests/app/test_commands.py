@@ -125,6 +125,13 @@ def test_render_makes_a_sheet_and_a_player(out, tmp_path, capfd):
     assert "<html" in (tmp_path / "wave_player.html").read_text(encoding="utf-8")
 
 
+def test_render_refuses_a_folder_it_cannot_write_before_it_reads(tmp_path, capsys, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr(us, "load_take", None)
+    assert main(["render", "any.take.npz", "--out", str(tmp_path / "file" / "in")]) == 2
+    assert "is a file; --out needs a folder." in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("command", ["score", "render"])
 def test_what_is_no_take_is_said_in_one_line(command, short, capsys):
     assert main([command, str(short)]) == 2

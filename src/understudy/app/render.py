@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from tyro.conf import Positional, arg
 
 from understudy.app.outcome import Outcome
-from understudy.app.performing import staged
+from understudy.app.performing import ready, staged
 
 if TYPE_CHECKING:
     from understudy.take import Take
@@ -59,6 +59,7 @@ def run(options: Options) -> Outcome:
     import understudy as us
 
     folder = options.out or options.take.parent
+    ready(folder)
     take = us.load_take(options.take)
     name = options.take.name.removesuffix(".npz").removesuffix(".take")
     with staged(folder, name, keep=(options.take,)) as (folder, files):
