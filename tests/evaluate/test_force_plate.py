@@ -93,6 +93,8 @@ def test_the_peak_of_a_landing_is_the_plates_and_the_spike_stands_beside_it() ->
     assert as_by_plate(raw, m.rate).max() < 0.7 * raw.max()
     (foot,) = footfalls(m)
     assert foot.peak_force_n < 0.7 * foot.spike_force_n
+    # It stands on this one foot, so all of the ground's force is on it.
+    assert foot.peak_force_percent == pytest.approx(found.ground_force_peak_percent, rel=0.01)
 
 
 def test_a_stance_keeps_its_impulses_and_loses_its_spike() -> None:

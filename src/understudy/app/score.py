@@ -62,7 +62,8 @@ def _contacts(found: dict[str, Any]) -> str:
         (
             foot["foot"],
             f"{foot['touchdowns']} on the ground, mean {1e3 * foot['stance_mean_s']:.0f} ms, "
-            f"{foot['impulse_mean_ns']:.0f} N s, peak {foot['peak_force_n']:.0f} N",
+            f"{foot['impulse_mean_ns']:.0f} N s, peak {foot['peak_force_n']:.0f} N "
+            f"({foot['peak_force_percent']:.0f} % of body weight)",
         )
         for foot in found["feet_on_ground"]
     ]

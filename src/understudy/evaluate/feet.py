@@ -60,6 +60,7 @@ class Footfalls:
         stance_mean_s: Mean time on the ground [s].
         impulse_mean_ns: Mean impulse of the ground on it [N s].
         peak_force_n: Largest force, filtered as a force plate's [N].
+        peak_force_percent: The same [% of body weight].
         spike_force_n: Largest force at any one step, unfiltered [N].
         penetration_mm: Deepest overlap [mm].
         events: Each stay on the ground.
@@ -70,6 +71,7 @@ class Footfalls:
     stance_mean_s: float
     impulse_mean_ns: float
     peak_force_n: float
+    peak_force_percent: float
     spike_force_n: float
     penetration_mm: float
     events: tuple[ContactEvent, ...] = field(repr=False)
@@ -77,7 +79,8 @@ class Footfalls:
     def as_dict(self) -> dict[str, Any]:
         """Plain values that JSON takes, without the single events."""
         names = ("foot", "touchdowns", "stance_mean_s", "impulse_mean_ns", "peak_force_n")
-        return {name: getattr(self, name) for name in (*names, "spike_force_n", "penetration_mm")}
+        names += ("peak_force_percent", "spike_force_n", "penetration_mm")
+        return {name: getattr(self, name) for name in names}
 
 
 def footfalls(measured: Measured) -> tuple[Footfalls, ...]:
@@ -93,14 +96,15 @@ def footfalls(measured: Measured) -> tuple[Footfalls, ...]:
             if not stays:
                 continue
             force = measured.ground_reaction(who.index, links=bodies)
-            smooth = as_by_plate(force, measured.rate)
+            peak = float(np.linalg.norm(as_by_plate(force, measured.rate), axis=1).max())
             out.append(
                 Footfalls(
                     foot=foot,
                     touchdowns=len(stays),
                     stance_mean_s=float(np.mean([stay.duration_s for stay in stays])),
                     impulse_mean_ns=float(np.mean([stay.impulse_ns for stay in stays])),
-                    peak_force_n=float(np.linalg.norm(smooth, axis=1).max()),
+                    peak_force_n=peak,
+                    peak_force_percent=100.0 * peak / who.weight,
                     spike_force_n=max(stay.peak_force_n for stay in stays),
                     penetration_mm=max(stay.penetration_mm for stay in stays),
                     events=stays,

@@ -92,6 +92,7 @@ def contact_events(m: Measured) -> str:
                 f"{foot.stance_mean_s:.3f}",
                 f"{foot.impulse_mean_ns:.1f}",
                 f"{foot.peak_force_n:.0f}",
+                f"{foot.peak_force_percent:.0f}",
                 f"{foot.spike_force_n:.0f}",
                 f"{foot.penetration_mm:.1f}",
             )
@@ -118,6 +119,7 @@ _FEET_HEAD = (
     "Mean stance [s]",
     "Mean impulse [N s]",
     "Peak force [N]",
+    "Peak [% BW]",
     "In one step [N]",
     "Depth [mm]",
 )
