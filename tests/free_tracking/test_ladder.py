@@ -27,6 +27,15 @@ def test_a_pass_near_its_goal_spares_a_rung_and_the_polish() -> None:
     assert scales == [0.3, 0.0]
 
 
+def test_a_pass_far_off_is_tried_again_once() -> None:
+    ladder = Ladder.first(20, 100)
+    scales = []
+    while not ladder.done:
+        scales.append(ladder.scales[0])
+        ladder = ladder.after(20, cost=9.0)
+    assert scales == [0.3, 0.3, 0.1, 0.1, 0.0, 0.0]
+
+
 def test_before_a_fall_windows_go_down_and_at_it_toward_whole_help() -> None:
     ladder = Ladder.first(40, 100).after(30)
     assert (ladder.scales[: 30 - MARGIN] == 0.1).all()

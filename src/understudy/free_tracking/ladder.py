@@ -2,7 +2,8 @@
 
 A window that was passed goes a step down. Where a pass fell, the windows shortly before go half way
 back to what worked, to whole help where nothing did. After a pass without help a last one
-polishes it. A pass that stayed near its goal spares the last rung, and the polish.
+polishes it. A pass that stayed near its goal spares the last rung, and the polish; one that came
+through far from it is tried again once as it was, to learn before help is taken.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from understudy.motion.rotations import Array
 
 _RUNGS = (0.3, 0.1, 0.0)
 _EASY = 2.5  # Mean cost of a pass that stayed near its goal.
+_ROUGH = 8.0  # Mean cost of one that came through far off.
 _NEAR = 0.05  # Closer than this to what worked, what worked is tried again.
 _MORE, _MOST = 1.3, 2.0  # More children after a fall, at most so many times.
 # A fall has its cause in so many windows before it began: what was learned there is no good.
@@ -31,6 +33,7 @@ class Ladder:
         scales: Help of every window in the next pass: 1 is whole, 0 none.
         worked: The last help with which a window was passed; infinite if it never was.
         tried: Passes so far.
+        rough: Whether the last pass came through far off, and is tried again.
         free: Whether a pass without any help came to the end.
         done: Whether there is no more to try.
     """
@@ -40,6 +43,7 @@ class Ladder:
     scales: Array
     worked: Array
     tried: int = 0
+    rough: bool = False
     free: bool = False
     done: bool = False
 
@@ -62,6 +66,9 @@ class Ladder:
         free = through and not self.scales.any()
         if self.free:
             return replace(self, tried=self.tried + 1, done=True)
+        if through and not free and not self.rough and _ROUGH < cost < np.inf:
+            again = {"tried": self.tried + 1, "worked": self.scales, "rough": True}
+            return replace(self, children=self.usual, **again)
         fell = reached if strayed is None else strayed
         good = windows if through else max(0, fell - MARGIN)
         scales, worked = self.scales.copy(), self.worked.copy()
@@ -81,6 +88,7 @@ class Ladder:
             scales=scales,
             worked=worked,
             tried=self.tried + 1,
+            rough=False,
             free=free,
             done=free and cost < _EASY,
         )

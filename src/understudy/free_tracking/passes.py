@@ -48,7 +48,7 @@ class Effort:
     spread: float = 0.04
     reach: float = 0.2
     ridge: float = 0.03
-    passes: int = 7
+    passes: int = 10
     most: float = 0.5
 
 
