@@ -37,7 +37,8 @@ class Gains:
         place_apart: Heel outward of the middle line.
         place_ahead: Added to equation 1.
         place_turn: Heel outward of a turn, over speed times turning rate.
-        speed_matching: How much further forward the foot swings before it moves back to touch.
+        speed_matching: Share of the ground's speed with which the foot, swung further forward,
+            moves back to touch.
         knee_stiffness: Of the spring that the knee is in stance.
         knee_damping: Of the same.
         knee_rest: Its rest angle.
@@ -78,56 +79,61 @@ class Gains:
         waist_stiffness: Of the waist's servos.
         waist_turn: Waist's turn over the difference of the hips.
         waist_lean: Forward lean of the chest over the pelvis.
+        flight_goal: Desired time of flight [s].
+        flight_thrust: Stiffness that the thrust gains per second that the last flights were too
+            short [N m/rad s].
     """
 
-    touchdown_knee: float = 0.54
-    touchdown_foot: float = 0.3541
-    speed_place: float = 0.1233
-    side_place: float = 0.05978
-    place_apart: float = 0.05024
-    place_ahead: float = -0.1452
-    place_turn: float = 0.05068
-    speed_matching: float = 0.1323
-    knee_stiffness: float = 328.7
-    knee_damping: float = 14.32
-    knee_rest: float = 0.4
-    knee_rest_thrust: float = 0.3
-    thrust_at: float = 0.2864
-    heel_ankle: float = -0.0435
-    heel_stiffness: float = 237.9
-    flat_ankle: float = 0.2
-    flat_stiffness: float = 601.6
-    thrust_ankle: float = -0.45
-    thrust_stiffness: float = 406.5
-    thrust_time: float = 0.05464
-    ankle_damping: float = 8.39
-    toe_stiffness: float = 81.0
-    pitch: float = 0.05
-    roll_stiffness: float = 2059.0
-    roll_damping: float = 150.0
-    roll_support: float = -50.84
-    pitch_stiffness: float = 1083.0
-    pitch_damping: float = 124.9
-    yaw_stiffness: float = 140.1
-    yaw_damping: float = 21.85
-    idle_reaction: float = 0.3998
+    touchdown_knee: float = 0.4
+    touchdown_foot: float = 0.393
+    speed_place: float = 0.02
+    side_place: float = 0.03
+    place_apart: float = 0.03
+    place_ahead: float = -0.29
+    place_turn: float = 0.085
+    speed_matching: float = 0.6
+    knee_stiffness: float = 334.0
+    knee_damping: float = 14.3
+    knee_rest: float = 0.382
+    knee_rest_thrust: float = 0.286
+    thrust_at: float = 0.4
+    heel_ankle: float = -0.0109
+    heel_stiffness: float = 120.0
+    flat_ankle: float = 0.128
+    flat_stiffness: float = 678.0
+    thrust_ankle: float = -0.55
+    thrust_stiffness: float = 500.0
+    thrust_time: float = 0.0397
+    ankle_damping: float = 12.6
+    toe_stiffness: float = 100.0
+    pitch: float = 0.0555
+    roll_stiffness: float = 1450.0
+    roll_damping: float = 151.0
+    roll_support: float = -55.4
+    pitch_stiffness: float = 1280.0
+    pitch_damping: float = 132.0
+    yaw_stiffness: float = 160.0
+    yaw_damping: float = 30.0
+    idle_reaction: float = 0.573
     hip_stiffness: float = 381.0
-    hip_damping: float = 50.53
-    hip_turn: float = -0.08758
-    swing_stiffness: float = 487.2
-    swing_damping: float = 17.93
-    swing_share: float = 1.118
-    idle_knee: float = 1.695
-    idle_time: float = 0.1628
-    ready_knee: float = 1.561
-    mirror: float = 0.7389
-    mirror_ahead: float = 0.2668
+    hip_damping: float = 48.5
+    hip_turn: float = 0.0923
+    swing_stiffness: float = 487.0
+    swing_damping: float = 17.9
+    swing_share: float = 0.65
+    idle_knee: float = 1.69
+    idle_time: float = 0.23
+    ready_knee: float = 1.4
+    mirror: float = 0.54
+    mirror_ahead: float = 0.47
     idle_apart: float = 0.0092
-    arm_swing: float = 1.027
-    arm_offset: float = -0.7076
-    waist_stiffness: float = 400.8
-    waist_turn: float = -0.4171
-    waist_lean: float = 0.0
+    arm_swing: float = 0.95
+    arm_offset: float = -0.4
+    waist_stiffness: float = 401.0
+    waist_turn: float = -0.25
+    waist_lean: float = -0.00431
+    flight_goal: float = 0.14
+    flight_thrust: float = 3000.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -139,20 +145,24 @@ NAMES = tuple(f.name for f in fields(Gains))
 
 # Change of a gain per m/s over `MIDDLE`. Like the values above, a guess to search from.
 _SLOPES = {
-    "touchdown_knee": 0.057,
-    "place_ahead": -0.00056,
-    "thrust_ankle": -0.00776,
-    "thrust_stiffness": 65.3,
-    "thrust_at": -0.0245,
-    "knee_rest_thrust": -0.0061,
-    "knee_stiffness": -38.2,
-    "pitch": 0.0125,
-    "speed_matching": 0.0183,
-    "idle_knee": 0.151,
+    "touchdown_knee": 0.03,
+    "place_ahead": -0.045,
+    "thrust_ankle": -0.000836,
+    "thrust_stiffness": 70.0,
+    "thrust_at": -0.0415,
+    "knee_rest_thrust": -0.0193,
+    "knee_stiffness": -45.4,
+    "pitch": 0.00669,
+    "idle_knee": 0.153,
     "ready_knee": 0.0735,
-    "knee_rest": 0.0744,
-    "mirror": -0.0259,
-    "mirror_ahead": 0.0878,
+    "knee_rest": 0.05,
+    "mirror_ahead": 0.03,
+    "side_place": 0.00922,
+    "flat_ankle": 0.0118,
+    "flat_stiffness": 24.0,
+    "touchdown_foot": -0.00144,
+    "idle_time": -0.03,
+    "mirror": -0.04,
 }
 
 

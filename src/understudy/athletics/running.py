@@ -33,7 +33,7 @@ from understudy.scene import Scene
 NAMED_BODY = 70.0 * 1.75
 TIMESTEP = 0.001
 # A made-up first flight: upward speed [m/s] at 3.5 m/s and per m/s, hips ahead and behind [rad].
-_CLIMB, _AHEAD, _BEHIND = (0.52, 0.095), (0.754, -0.097), (-0.267, -0.008)
+_CLIMB, _AHEAD, _BEHIND = (0.40, 0.095), (0.60, -0.097), (-0.30, -0.008)
 _TIMES = (SINCE, law.TOUCHDOWN, law.LIFTOFF, law.THRUST, law.ANKLE_SINCE)
 
 
@@ -128,15 +128,18 @@ class Running:
 
     def _first(self, body: Athlete, speed: float) -> tuple[Array, Array, Array]:
         """Positions, velocities and memory at time zero, facing +x at the origin."""
-        starts = [s for s in self.schedule.starts if s["athlete"] == body.name]
+        own = [s for s in self.schedule.starts if s["athlete"] == body.name]
+        starts = own or list(self.schedule.starts)
         if not starts:
             return made_up(body, self.schedule.at(speed), speed)
         near = min(starts, key=lambda s: abs(float(s["speed"]) - speed))
         arrays = (np.array(near[name], float) for name in ("qpos", "qvel", "memory"))
         qpos, qvel, memory = arrays
-        # Stored by the body of usual height; another's pelvis is higher or lower by its legs.
-        usual = athlete(body.name.removeprefix("athlete_")).links[0].offset[2]
-        qpos[2] += body.links[0].offset[2] - usual
+        # Another body's state: the same angles, its pelvis higher or lower by its legs.
+        name, height = near["athlete"].removeprefix("athlete_"), near.get("height")
+        higher = body.links[0].offset[2] - athlete(name, height=height).links[0].offset[2]
+        qpos[2] += higher
+        memory[law.LANDING_HEIGHT] += higher
         # A run a little faster or slower than the stored one is the same but for its speed.
         qvel[0] += speed - float(near["speed"])
         return qpos, qvel, memory
@@ -159,6 +162,7 @@ def made_up(body: Athlete, gains: Gains, speed: float) -> tuple[Array, Array, Ar
     qpos[7 + law.WAIST + 1] = gains.waist_lean
     memory = np.zeros(law.M_COURSE + COURSE_MEMORY)
     memory[law.ACTIVE], memory[law.STANCE], memory[law.FLIGHT_TIME] = law.RIGHT, 0.22, 0.10
+    memory[law.MEAN_FLIGHT], memory[law.LANDING_HEIGHT] = 0.15, 0.97 * float(qpos[2])
     hips = (float(left[law.HIP_Y]), float(right[law.HIP_Y]))
     memory[law.HIP_Y_LEFT], memory[law.HIP_Y_RIGHT] = hips
     memory[law.WAS_ACTIVE_Y], memory[law.WAS_IDLE_Y] = hips[1], hips[0]
@@ -179,6 +183,7 @@ def steady_state(
     assert len(NAMES) == law.GAINS
     return {
         "athlete": body.name,
+        "height": body.height,
         "speed": speed,
         "qpos": moved.tolist(),
         "qvel": np.asarray(qvel).tolist(),

@@ -20,7 +20,7 @@ from understudy.control.legs import (
 )
 from understudy.control.machine import MACHINE, enter, state_of, timed
 from understudy.control.quaternion import orientation, turned
-from understudy.control.trajectory import bounded, ease, eased, followed, servo, share_of
+from understudy.control.trajectory import bounded, ease, eased, followed, going, servo, share_of
 
 FLIGHT, LOADING, HEEL, HEEL_TOE, TOE, UNLOADING = range(6)
 STATES = ("flight", "loading", "heel", "heel and toe", "toe", "unloading")
@@ -36,7 +36,8 @@ LEFT, RIGHT = 0, 1
     ROLL_DAMPING, ROLL_SUPPORT, PITCH_STIFFNESS, PITCH_DAMPING, YAW_STIFFNESS, YAW_DAMPING,
     IDLE_REACTION, HIP_STIFFNESS, HIP_DAMPING, HIP_TURN, SWING_STIFFNESS, SWING_DAMPING,
     SWING_SHARE, IDLE_KNEE, IDLE_TIME, READY_KNEE, MIRROR, MIRROR_AHEAD, IDLE_APART,
-    ARM_SWING, ARM_OFFSET, WAIST_STIFFNESS, WAIST_TURN, WAIST_LEAN
+    ARM_SWING, ARM_OFFSET, WAIST_STIFFNESS, WAIST_TURN, WAIST_LEAN,
+    FLIGHT_GOAL, FLIGHT_THRUST
 ) = range(len(NAMES))
 # fmt: on
 GAINS = len(NAMES)
@@ -60,10 +61,12 @@ P_COURSE = P_STANDING + STANDING_NUMBERS
     HIP_X_LEFT, HIP_X_RIGHT, HIP_Y_LEFT, HIP_Y_RIGHT, HIP_Z, KNEE_LEFT, KNEE_RIGHT,
     ANKLE, ANKLE_FROM, ANKLE_FROM_STIFFNESS, ANKLE_SINCE,
     WAS_ACTIVE_X, WAS_ACTIVE_Y, WAS_ACTIVE_KNEE, WAS_IDLE_X, WAS_IDLE_Y, WAS_IDLE_KNEE,
-    IDLE_X, IDLE_Y, IDLE_Z
-) = range(MACHINE, MACHINE + 26)
+    IDLE_X, IDLE_Y, IDLE_Z, IDLE_ANKLE,
+    HIP_RATE_LEFT, HIP_RATE_RIGHT, KNEE_RATE_LEFT, KNEE_RATE_RIGHT,
+    MEAN_FLIGHT, LANDING_HEIGHT
+) = range(MACHINE, MACHINE + 33)
 # fmt: on
-M_GAINS = MACHINE + 26
+M_GAINS = MACHINE + 33
 M_COURSE = M_GAINS + GAINS
 
 # Hinges in the athlete's order.
@@ -76,6 +79,8 @@ _FASTEST = 15.0
 _HIP_Z, _AIR_ANKLE, _SHOULDER, _ELBOW = (150.0, 8.0), (80.0, 3.0), (70.0, 3.0), (50.0, 2.0)
 _NECK, _WRIST = 60.0, 3.0
 _ARM_OUT, _ELBOW_BENT, _ELBOW_HANGING, _ELBOW_SWING = 0.15, 1.75, 0.25, 0.2
+# Farthest that a foot is placed to a side of neutral [m]: beyond it the leg gets too short.
+_WIDEST = 0.2
 # How much of the trunk's lean the neck takes back.
 _LEVEL = 0.8
 
@@ -138,7 +143,10 @@ def _transitions(time, state, p, m):  # type: ignore[no-untyped-def]
     if now == FLIGHT:
         if force > 5.0 and timed(m, time, 0.03):
             enter(m, LOADING, time)
-            m[FLIGHT_TIME] = 0.5 * m[FLIGHT_TIME] + 0.5 * bounded(time - m[LIFTOFF], 0.03, 0.25)
+            flight = bounded(time - m[LIFTOFF], 0.03, 0.25)
+            m[MEAN_FLIGHT] += 0.25 * (flight - m[MEAN_FLIGHT])
+            height = state.xpos[int(p[P_PELVIS]), 2]
+            m[LANDING_HEIGHT] += 0.5 * (height - m[LANDING_HEIGHT])
             m[TOUCHDOWN] = time
     elif now == LOADING:
         if timed(m, time, 0.01) or _rate(state, p, leg + KNEE) > 1.0:
@@ -163,22 +171,35 @@ def _transitions(time, state, p, m):  # type: ignore[no-untyped-def]
 
 
 def _lift_off(time, state, p, m):  # type: ignore[no-untyped-def]
-    """The legs change roles, and every trajectory begins at the present angles."""
+    """The legs change roles, and every trajectory begins at the present angles and rates."""
     enter(m, FLIGHT, time)
     m[STANCE] = 0.5 * m[STANCE] + 0.5 * bounded(time - m[TOUCHDOWN], 0.1, 0.35)
     m[LIFTOFF] = time
+    m[FLIGHT_TIME] = _expected_flight(state, p, m)
     m[ACTIVE] = RIGHT if m[ACTIVE] == LEFT else LEFT
     for side in range(2):
         leg = LEFT_LEG if side == LEFT else RIGHT_LEG
         m[HIP_X_LEFT + side] = _angle(state, p, leg + HIP_X)
         m[HIP_Y_LEFT + side] = _angle(state, p, leg + HIP_Y)
         m[KNEE_LEFT + side] = _angle(state, p, leg + KNEE)
+        m[HIP_RATE_LEFT + side] = _rate(state, p, leg + HIP_Y)
+        m[KNEE_RATE_LEFT + side] = _rate(state, p, leg + KNEE)
+        if side == int(m[ACTIVE]):
+            m[HIP_Z], m[ANKLE] = _angle(state, p, leg + HIP_ZH), _angle(state, p, leg + ANKLE_H)
+        else:
+            m[IDLE_ANKLE] = _angle(state, p, leg + ANKLE_H)
     active = int(m[ACTIVE])
-    leg = LEFT_LEG if active == LEFT else RIGHT_LEG
-    m[HIP_Z], m[ANKLE] = _angle(state, p, leg + HIP_ZH), _angle(state, p, leg + ANKLE_H)
     m[WAS_ACTIVE_X], m[WAS_IDLE_X] = m[HIP_X_LEFT + active], m[HIP_X_LEFT + 1 - active]
     m[WAS_ACTIVE_Y], m[WAS_IDLE_Y] = m[HIP_Y_LEFT + active], m[HIP_Y_LEFT + 1 - active]
     m[WAS_ACTIVE_KNEE], m[WAS_IDLE_KNEE] = m[KNEE_LEFT + active], m[KNEE_LEFT + 1 - active]
+
+
+def _expected_flight(state, p, m):  # type: ignore[no-untyped-def]
+    """How long a body flies that leaves the ground now and lands as high as the last times [s]."""
+    rise = state.sensordata[int(p[P_SENSORS]) + 8]
+    drop = state.xpos[int(p[P_PELVIS]), 2] - m[LANDING_HEIGHT]
+    square = max(rise * rise + 2.0 * p[P_GRAVITY] * drop, 0.0)
+    return bounded((rise + math.sqrt(square)) / p[P_GRAVITY], 0.03, 0.25)
 
 
 def _forces(state, p, m):  # type: ignore[no-untyped-def]
@@ -211,13 +232,17 @@ def touchdown_place(time, p, m, velocity, wanted):  # type: ignore[no-untyped-de
     x = 0.5 * (m[STANCE] * vx - p[P_FOOT])
     x += m[M_GAINS + SPEED_PLACE] * (vx - speed * math.cos(error)) + m[M_GAINS + PLACE_AHEAD]
     x -= m[M_COURSE + LEAD]
-    # Ground speed matching: the leg reaches too far and comes back just before it touches.
-    passed = bounded((time - m[LIFTOFF]) / m[FLIGHT_TIME], 0.0, 1.4)
-    x += m[M_GAINS + SPEED_MATCHING] * (1.0 - passed)
+    # Ground speed matching: the leg reaches too far and comes back just before it touches, with a
+    # share of the ground's speed when it does.
+    whole = (1.0 - m[M_GAINS + SWING_SHARE]) * m[FLIGHT_TIME]
+    left = bounded(m[FLIGHT_TIME] - (time - m[LIFTOFF]), -0.05, whole)
+    back = left - 0.5 * left * left / whole if left > 0.0 else left
+    x += m[M_GAINS + SPEED_MATCHING] * vx * back
     y = 0.5 * m[STANCE] * vy
     y += m[M_GAINS + SIDE_PLACE] * (vy - speed * math.sin(error) - side_speed)
     y -= m[M_GAINS + PLACE_TURN] * forward * turning
     outward = 1.0 if m[ACTIVE] == LEFT else -1.0
+    y = bounded(y, -_WIDEST, _WIDEST)
     return x, y + outward * (m[M_GAINS + PLACE_APART] - p[P_HIP])
 
 
@@ -237,7 +262,9 @@ def _reach(time, state, ctrl, p, m, leg, body, velocity, wanted):  # type: ignor
     passed, whole = time - m[LIFTOFF], m[M_GAINS + SWING_SHARE] * m[FLIGHT_TIME]
     goal_x = eased(m[HIP_X_LEFT + side], hip_x, passed, whole)
     goal_y = eased(m[HIP_Y_LEFT + side], hip_y, passed, whole)
+    goal_y += going(m[HIP_RATE_LEFT + side], passed, whole)
     goal_knee = eased(m[KNEE_LEFT + side], knee, passed, whole)
+    goal_knee += going(m[KNEE_RATE_LEFT + side], passed, whole)
     kh, dh = m[M_GAINS + HIP_STIFFNESS], m[M_GAINS + HIP_DAMPING]
     _drive(state, ctrl, p, m, leg + HIP_X, goal_x, WAS_ACTIVE_X, kh, dh)
     _drive(state, ctrl, p, m, leg + HIP_Y, goal_y, WAS_ACTIVE_Y, kh, dh)
@@ -267,7 +294,10 @@ def _stance_ankle(time, m):  # type: ignore[no-untyped-def]
     if now == HEEL_TOE:
         return _flat_ankle(time, m)
     share = ease(share_of(time - m[ANKLE_SINCE], m[M_GAINS + THRUST_TIME]))
-    return _between(m, share, m[M_GAINS + THRUST_ANKLE], m[M_GAINS + THRUST_STIFFNESS])
+    # A flight too short calls for a stronger thrust, one too long for a weaker.
+    short = bounded(m[M_GAINS + FLIGHT_GOAL] - m[MEAN_FLIGHT], -0.05, 0.05)
+    stiffness = m[M_GAINS + THRUST_STIFFNESS] + m[M_GAINS + FLIGHT_THRUST] * short
+    return _between(m, share, m[M_GAINS + THRUST_ANKLE], stiffness)
 
 
 def _flat_ankle(time, m):  # type: ignore[no-untyped-def]
@@ -321,7 +351,8 @@ def _idle(time, state, ctrl, p, m, leg, active_x, active_y, roll):  # type: igno
     active = int(m[ACTIVE])
     own = 1 - active
     outward = 1.0 if own == LEFT else -1.0
-    begun = ease(share_of(time - m[LIFTOFF], m[M_GAINS + IDLE_TIME]))
+    passed, whole = time - m[LIFTOFF], m[M_GAINS + IDLE_TIME]
+    begun = ease(share_of(passed, whole))
     goal_y = mirrored_hip(
         m[HIP_Y_LEFT + own],
         active_y,
@@ -329,7 +360,7 @@ def _idle(time, state, ctrl, p, m, leg, active_x, active_y, roll):  # type: igno
         m[M_GAINS + MIRROR],
         begun * m[M_GAINS + MIRROR_AHEAD],
     )
-    goal_y = bounded(goal_y, -0.7, 1.6)
+    goal_y = bounded(goal_y + going(m[HIP_RATE_LEFT + own], passed, whole), -0.7, 1.6)
     # The legs must pass each other: half of equation 3, half upright in the world and outward.
     plain = mirrored_hip(
         m[HIP_X_LEFT + own],
@@ -340,22 +371,19 @@ def _idle(time, state, ctrl, p, m, leg, active_x, active_y, roll):  # type: igno
     )
     goal_x = 0.5 * plain - 0.5 * begun * roll + 0.5 * (1.0 - begun) * m[HIP_X_LEFT + own]
     if state_of(m) >= TOE:
-        passed, whole = time - m[THRUST], max(0.05, 0.5 * m[STANCE])
-        goal_knee = eased(m[KNEE_LEFT + own], m[M_GAINS + READY_KNEE], passed, whole)
+        late, rest = time - m[THRUST], (1.0 - m[M_GAINS + THRUST_AT]) * m[STANCE]
+        goal_knee = eased(m[KNEE_LEFT + own], m[M_GAINS + READY_KNEE], late, rest)
     else:
-        goal_knee = eased(
-            m[KNEE_LEFT + own],
-            m[M_GAINS + IDLE_KNEE],
-            time - m[LIFTOFF],
-            m[M_GAINS + IDLE_TIME],
-        )
+        goal_knee = eased(m[KNEE_LEFT + own], m[M_GAINS + IDLE_KNEE], passed, whole)
+        goal_knee += going(m[KNEE_RATE_LEFT + own], passed, whole)
     kh, dh = m[M_GAINS + HIP_STIFFNESS], m[M_GAINS + HIP_DAMPING]
     tx = _drive(state, ctrl, p, m, leg + HIP_X, goal_x, WAS_IDLE_X, kh, dh)
     ty = _drive(state, ctrl, p, m, leg + HIP_Y, goal_y, WAS_IDLE_Y, kh, dh)
     _hold(state, ctrl, p, leg + HIP_ZH, 0.0, *_HIP_Z)
     k, d = m[M_GAINS + SWING_STIFFNESS], m[M_GAINS + SWING_DAMPING]
     _drive(state, ctrl, p, m, leg + KNEE, goal_knee, WAS_IDLE_KNEE, k, d)
-    _hold(state, ctrl, p, leg + ANKLE_H, 0.0, *_AIR_ANKLE)
+    goal_ankle = eased(m[IDLE_ANKLE], 0.0, passed, whole)
+    _hold(state, ctrl, p, leg + ANKLE_H, goal_ankle, *_AIR_ANKLE)
     _put(ctrl, p, leg + BALL, -m[M_GAINS + TOE_STIFFNESS] * _angle(state, p, leg + BALL))
     # What the pelvis feels of it, with the sign reversed: about x, and about the y hinge's axis.
     x = _angle(state, p, leg + HIP_X)

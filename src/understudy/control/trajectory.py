@@ -35,6 +35,15 @@ def eased(start, goal, elapsed, duration):  # type: ignore[no-untyped-def]
     return start + (goal - start) * ease(share_of(elapsed, duration))
 
 
+def going(rate, elapsed, duration):  # type: ignore[no-untyped-def]
+    """How far a joint that moves at `rate` goes on before it turns toward its goal.
+
+    Added to `eased`, it makes the trajectory begin at the present rate; it is gone at the end.
+    """
+    s = share_of(elapsed, duration)
+    return rate * duration * s * (1.0 - s) * (1.0 - s)
+
+
 def toward(value, goal, most):  # type: ignore[no-untyped-def]
     """The value one step nearer to its goal, by no more than `most`."""
     return value + bounded(goal - value, -most, most)
