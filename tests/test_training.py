@@ -10,7 +10,8 @@ import pytest
 from understudy.athletics.gains import NAMES, Schedule, shipped
 from understudy.character import athlete_man
 from understudy.errors import UnderstudyError
-from understudy.training import BOUNDS, Space, cost_of, first_scenarios, rehearsed, scenarios, train
+from understudy.training import BOUNDS, Space, cost_of, rehearsed, train
+from understudy.training.scenarios import first_scenarios, scenarios
 
 
 def test_every_gain_has_bounds():
@@ -33,14 +34,22 @@ def test_gains_that_are_not_searched_stay():
 
 def test_one_seed_gives_the_same_scenarios():
     a, b = (scenarios(np.random.default_rng(3)) for _ in range(2))
-    assert len(first_scenarios(np.random.default_rng(3))) == len(a)
     assert [s.friction for s in a] == [s.friction for s in b]
-    assert {s.name for s in a} == {"slow", "middle", "fast"}
+    assert {s.name for s in a} == {"slow", "middle", "fast", "changing", "pushed"}
+    assert {s.name for s in first_scenarios(np.random.default_rng(3))} == {"slow", "middle", "fast"}
+
+
+def test_hardness_is_of_turns_pushes_and_ground():
+    easy, hard = (scenarios(np.random.default_rng(3), hardness=h) for h in (0.5, 1.0))
+    for one, other in zip(easy, hard, strict=True):
+        assert 1.0 - one.friction == pytest.approx(0.5 * (1.0 - other.friction))
+        assert one.course.headings == pytest.approx(0.5 * other.course.headings)
+    assert np.linalg.norm(easy[-1].push) == pytest.approx(0.5 * np.linalg.norm(hard[-1].push))
 
 
 def test_a_fall_costs_more_than_any_gait():
     body = athlete_man()
-    run = scenarios(np.random.default_rng(3))[0]
+    run = scenarios(np.random.default_rng(3), hardness=0.0)[1]
     seen, _ = rehearsed(run, shipped(), body)
     limp = replace(shipped(), gains=replace(shipped().gains, knee_stiffness=0.0), starts=())
     fallen, _ = rehearsed(run, limp, body)

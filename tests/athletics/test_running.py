@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from understudy.athletics import running_judge
 from understudy.athletics import running_law as law
 from understudy.athletics.course import Course
 from understudy.athletics.gains import NAMES, Gains, Schedule, shipped
@@ -172,7 +173,7 @@ def test_nothing_but_the_ground_holds_a_runner(performance):
 def test_gains_keep_the_order_the_law_reads_them_in():
     for k, name in enumerate(NAMES):
         assert getattr(law, name.upper()) == k
-    assert len(SUMS) == 38
+    assert len(SUMS) == running_judge.SMOOTH_FORWARD
 
 
 def test_gains_change_with_speed_by_their_slopes():

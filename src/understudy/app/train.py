@@ -71,7 +71,6 @@ def run(options: Options) -> Outcome:
     """Search, and write the gains and the convergence plot."""
     from understudy.athletics.gains import Schedule
     from understudy.character import athlete_man, athlete_woman
-    from understudy.errors import UnderstudyError
     from understudy.training import steady_states, train
 
     if options.part != "gait":
@@ -94,10 +93,10 @@ def run(options: Options) -> Outcome:
     schedule = replace(trained.schedule, origin=_origin(options, trained))
     notes = []
     for body in (athlete_man(), athlete_woman()):
-        try:
-            schedule = steady_states(schedule, body, _SPEEDS)
-        except UnderstudyError as error:
-            notes.append(f"no steady states of {body.name}: {error}")
+        schedule, fallen = steady_states(schedule, body, _SPEEDS)
+        if fallen:
+            speeds = ", ".join(f"{speed:g}" for speed in fallen)
+            notes.append(f"{body.name} fell at {speeds} m/s: no steady states there")
     name = options.behavior
     keep = [path for path in (options.start, options.checkpoint) if path is not None]
     with staged(options.out, name, keep=keep) as (folder, files):

@@ -7,7 +7,7 @@ sums are turned into a cost by `training`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import mujoco
@@ -20,6 +20,7 @@ from understudy.control.quaternion import orientation, turned
 from understudy.control.trajectory import bounded
 from understudy.errors import InvalidValue
 from understudy.motion.rotations import Array
+from understudy.motion.skeleton import frozen_array
 from understudy.scene import Scene
 
 # What the memory holds: a flag first (`simulate.trials`), then sums over time and over steps.
@@ -28,6 +29,7 @@ SUMS = (
     *("speed", "heading", "side", "rocking", "effort", "strain", "lean", "near", "nearest"),
     *("steps", "stance", "period", "flight", "landing_knee", "stance_knee", "swing_knee"),
     *("toe_off_knee", "plantarflexion", "thigh_back", "peak", "impact", "travel"),
+    *("thigh_unlike", "knee_unlike", "ankle_unlike", "compared", "landing", "mean_landing"),
     *("mean_speed", "mean_stance", "mean_period", "mean_landing_knee", "mean_stance_knee"),
     *("mean_swing_knee", "mean_plantarflexion", "mean_peak", "mean_impact", "mean_travel"),
     *("mean_lean", "mean_thigh_back", "mean_toe_off_knee"),
@@ -38,21 +40,29 @@ _AT = {name: k for k, name in enumerate(SUMS)}
     FELL, TIME, COUNTED, SPEED, HEADING, SIDE, ROCKING, EFFORT, STRAIN, LEAN, NEAR, NEAREST,
     STEPS, STANCE, PERIOD, FLIGHT, LANDING_KNEE, STANCE_KNEE, SWING_KNEE, TOE_OFF_KNEE,
     PLANTARFLEXION, THIGH_BACK, PEAK, IMPACT, TRAVEL,
+    THIGH_UNLIKE, KNEE_UNLIKE, ANKLE_UNLIKE, COMPARED, LANDING, MEAN_LANDING,
     MEAN_SPEED, MEAN_STANCE, MEAN_PERIOD, MEAN_LANDING_KNEE, MEAN_STANCE_KNEE, MEAN_SWING_KNEE,
     MEAN_PLANTARFLEXION, MEAN_PEAK, MEAN_IMPACT, MEAN_TRAVEL, MEAN_LEAN, MEAN_THIGH_BACK,
     MEAN_TOE_OFF_KNEE
-) = range(38)
+) = range(44)
 # Running account: smoothed velocity, then per foot (left, right).
-SMOOTH_FORWARD, SMOOTH_SIDE, LAST_TOUCHDOWN, HIGHEST, LOWEST, COMMAND = range(38, 44)
-DOWN, SINCE, LAST, MOST, FIRST_MOST, LATER_MOST, KNEE_MOST, SWING_MOST = range(44, 60, 2)
+SMOOTH_FORWARD, SMOOTH_SIDE, LAST_TOUCHDOWN, HIGHEST, LOWEST, COMMAND = range(44, 50)
+(
+    DOWN, SINCE, LAST, MOST, FIRST_MOST, LATER_MOST, KNEE_MOST, SWING_MOST,
+    LANDED, STRIDE, ANKLE_WAS, ANKLE_FORWARD
+) = range(50, 74, 2)
 # fmt: on
-SIZE = 60
+SIZE = 74
+# Curves of people: thigh, knee, ankle at even shares of the cycle, at these speeds [m/s].
+CURVES, SHARES, SPEEDS = 3, 20, (2.5, 3.5, 4.5)
 
-# Parameters: pelvis, chest, knees, ankles and balls (left, right), when to begin to count [s];
-# then the torque limits, lowest and highest of every hinge; then the runner's parameters.
-J_CHEST, J_KNEE, J_ANKLE, J_BALL, J_BEGIN, J_LIMITS = 0, 1, 3, 5, 7, 8
+# Parameters: chest, thighs, knees, ankles and balls (left, right), when to begin to count [s],
+# whether people's curves are there; then the torque limits, lowest and highest of every hinge;
+# then the curves; then the runner's parameters.
+J_CHEST, J_THIGH, J_KNEE, J_ANKLE, J_BALL, J_BEGIN, J_LIKE, J_LIMITS = 0, 1, 3, 5, 7, 9, 10, 11
 HINGES = 30
-J_RUNNER = J_LIMITS + 2 * HINGES
+J_PEOPLE = J_LIMITS + 2 * HINGES
+J_RUNNER = J_PEOPLE + len(SPEEDS) * CURVES * SHARES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,10 +72,13 @@ class Judge:
     Attributes:
         running: The controller it watches.
         begin: When it begins to count [s]; falls count always.
+        people: How people run: thigh, knee and ankle [rad] at even shares of the cycle at 2.5,
+            3.5 and 4.5 m/s, shape (3, 3, 20), or None for no comparison.
     """
 
     running: Running
     begin: float = 0.5
+    people: Array | None = field(default=None, repr=False)
 
     def configure(self, scene: Scene, model: mujoco.MjModel) -> None:
         """Leave the model as it is."""
@@ -81,12 +94,19 @@ class Judge:
             raise InvalidValue(f"A runner has {HINGES} hinges, not {body.controlled_dof}.")
         _, own, _ = self.running.feedback(scene, model)
         out = np.zeros(J_RUNNER)
-        for at, role in ((J_KNEE, "knee"), (J_ANKLE, "ankle"), (J_BALL, "ball")):
+        places = ((J_THIGH, "hip"), (J_KNEE, "knee"), (J_ANKLE, "ankle"), (J_BALL, "ball"))
+        for at, role in places:
             for k, side in enumerate(("left", "right")):
                 out[at + k] = part.bodies[body.index(f"{side}_{role}")]
         out[J_CHEST] = part.bodies[body.index("upper_back")]
         out[J_BEGIN] = self.begin
-        out[J_LIMITS:J_RUNNER] = model.actuator_forcerange[list(part.joint_actuators)].ravel()
+        limits = model.actuator_forcerange[list(part.joint_actuators)]
+        out[J_LIMITS:J_PEOPLE] = limits.ravel()
+        if self.people is not None:
+            out[J_LIKE] = 1.0
+            out[J_PEOPLE:J_RUNNER] = frozen_array(
+                self.people, (len(SPEEDS), CURVES, SHARES), "people"
+            ).ravel()
         memory = np.zeros(SIZE)
         speed = self.running.course.start[2]
         memory[[SMOOTH_FORWARD, COMMAND, NEAREST, LOWEST]] = speed, speed, 1.0, 10.0
@@ -120,6 +140,9 @@ def watch(time, state, ctrl, applied, p, m):  # type: ignore[no-untyped-def]
     m[LOWEST] = min(m[LOWEST], state.subtree_com[pelvis, 2])
     for side in range(2):
         _foot(time, state, p, m, side)
+        _ankle_speed(state, p, m, side, dt, heading)
+        if p[J_LIKE] > 0.0 and time >= p[J_BEGIN] and m[STRIDE + side] > 0.0:
+            _compare(time, state, p, m, side, dt, heading)
 
 
 def _motion(state, p, m, dt, heading):  # type: ignore[no-untyped-def]
@@ -206,11 +229,13 @@ def _foot(time, state, p, m, side):  # type: ignore[no-untyped-def]
 
 
 def _touchdown(time, p, m, side, knee):  # type: ignore[no-untyped-def]
+    m[STRIDE + side] = time - m[LANDED + side] if m[LANDED + side] > 0.0 else 0.0
+    m[LANDED + side] = time
     counts = time >= p[J_BEGIN] and m[LAST_TOUCHDOWN] > 0.0
     if counts:
         period = time - m[LAST_TOUCHDOWN]
-        wanted = 2.75 + 0.12 * (m[COMMAND] - 3.5)
-        m[PERIOD] += max(0.0, abs(1.0 / max(period, 0.05) - wanted) - 0.1)
+        wanted = 2.78 + 0.12 * (m[COMMAND] - 3.5)
+        m[PERIOD] += max(0.0, abs(1.0 / max(period, 0.05) - wanted) - 0.06)
         m[MEAN_PERIOD] += period
         m[LANDING_KNEE] += max(0.0, abs(knee - 0.36) - 0.10)
         m[MEAN_LANDING_KNEE] += knee
@@ -218,6 +243,8 @@ def _touchdown(time, p, m, side, knee):  # type: ignore[no-untyped-def]
         m[MEAN_SWING_KNEE] += m[SWING_MOST + side]
         m[TRAVEL] += max(0.0, m[HIGHEST] - m[LOWEST] - 0.085)
         m[MEAN_TRAVEL] += m[HIGHEST] - m[LOWEST]
+        m[LANDING] += max(0.0, m[ANKLE_FORWARD + side] - 1.0)
+        m[MEAN_LANDING] += m[ANKLE_FORWARD + side]
         m[STEPS] += 1.0
     m[HIGHEST], m[LOWEST] = 0.0, 10.0
     m[LAST_TOUCHDOWN] = time
@@ -248,17 +275,65 @@ def _toe_off(time, state, p, m, side, q):  # type: ignore[no-untyped-def]
     m[DOWN + side], m[SINCE + side], m[SWING_MOST + side] = 0.0, time, 0.0
 
 
+def _ankle_speed(state, p, m, side, dt, heading):  # type: ignore[no-untyped-def]
+    """Forward speed of an ankle over the ground, over the last 10 ms."""
+    ankle = int(p[J_ANKLE + side])
+    along = math.cos(heading) * state.xpos[ankle, 0] + math.sin(heading) * state.xpos[ankle, 1]
+    if m[TIME] > 2.0 * dt:
+        m[ANKLE_FORWARD + side] += (
+            dt / 0.01 * ((along - m[ANKLE_WAS + side]) / dt - m[ANKLE_FORWARD + side])
+        )
+    m[ANKLE_WAS + side] = along
+
+
+def _compare(time, state, p, m, side, dt, heading):  # type: ignore[no-untyped-def]
+    """Squared differences of thigh, knee and ankle from people's at this share of the cycle."""
+    share = (time - m[LANDED + side]) / m[STRIDE + side]
+    thigh, knee = int(p[J_THIGH + side]), int(p[J_KNEE + side])
+    c, s = math.cos(heading), math.sin(heading)
+    forward = c * (state.xpos[knee, 0] - state.xpos[thigh, 0])
+    forward += s * (state.xpos[knee, 1] - state.xpos[thigh, 1])
+    down = state.xpos[thigh, 2] - state.xpos[knee, 2]
+    leg = law.LEFT_LEG if side == 0 else law.RIGHT_LEG
+    q = int(p[J_RUNNER + law.P_QPOS]) + 7 + leg
+    off = math.atan2(forward, down) - _people(p, 0, share, m[COMMAND])
+    m[THIGH_UNLIKE] += dt * off * off
+    off = state.qpos[q + law.KNEE] - _people(p, 1, share, m[COMMAND])
+    m[KNEE_UNLIKE] += dt * off * off
+    off = state.qpos[q + law.ANKLE_H] - _people(p, 2, share, m[COMMAND])
+    m[ANKLE_UNLIKE] += dt * off * off
+    m[COMPARED] += dt
+
+
+def _people(p, curve, share, speed):  # type: ignore[no-untyped-def]
+    """People's angle at a share of the cycle and a speed, linear in both."""
+    at = bounded(share, 0.0, 0.9999) * SHARES
+    k, part = int(at), at - int(at)
+    fast = bounded(speed - SPEEDS[0], 0.0, 1.9999)
+    row, more = int(fast), fast - int(fast)
+    value = 0.0
+    for i in range(2):
+        first = J_PEOPLE + ((row + i) * CURVES + curve) * SHARES
+        angle = (1.0 - part) * p[first + k] + part * p[first + (k + 1) % SHARES]
+        value += (more if i else 1.0 - more) * angle
+    return value
+
+
 def report(memory: Array) -> dict[str, float]:
     """Sums as means: what was seen, by name; angles [rad], times [s], forces [body weights]."""
     sums = {name: float(memory[k]) for name, k in _AT.items()}
     counted, steps, stances = (max(sums[k], 1e-9) for k in ("counted", "steps", "flight"))
-    per_step = {"period", "landing_knee", "swing_knee", "travel"}
+    per_step = {"period", "landing_knee", "swing_knee", "travel", "landing"}
+    likes = {"thigh_unlike", "knee_unlike", "ankle_unlike"}
     per_time = {"speed", "heading", "side", "rocking", "effort", "strain", "lean", "near"}
     out = {}
     for name, value in sums.items():
         plain = name.removeprefix("mean_")
         timed = name in per_time or name in ("mean_speed", "mean_lean")
         by = counted if timed else steps if plain in per_step else stances
-        whole = name in ("fell", "time", "counted", "nearest", "steps", "flight")
-        out[name] = value if whole else value / by
+        whole = name in ("fell", "time", "counted", "nearest", "steps", "flight", "compared")
+        if name in likes:
+            out[name] = math.sqrt(value / max(sums["compared"], 1e-9))
+        else:
+            out[name] = value if whole else value / by
     return out

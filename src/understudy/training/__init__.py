@@ -12,6 +12,8 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from functools import cache
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
@@ -21,16 +23,18 @@ from understudy.athletics import running_law as law
 from understudy.athletics.course import Course
 from understudy.athletics.gains import Gains, Schedule
 from understudy.athletics.running import TIMESTEP, Running, steady_state
-from understudy.athletics.running_judge import Judge, report
+from understudy.athletics.running_judge import SHARES, SPEEDS, Judge, report
 from understudy.character import Athlete, athlete_man
 from understudy.control import Push
 from understudy.errors import UnderstudyError, UnknownName, require
+from understudy.evaluate.people import people
 from understudy.motion.files import written
 from understudy.motion.rotations import Array
 from understudy.performance import Performance
 from understudy.scene import Ground, Scene
 from understudy.simulate import quiet_engine
 from understudy.simulate.trials import judged
+from understudy.training.scenarios import Scenario, first_scenarios, scenarios
 
 # Least and greatest value of every gain at 3.5 m/s, and of its slope per m/s (none: it has none).
 BOUNDS: dict[str, tuple[float, float, float, float]] = {
@@ -39,13 +43,13 @@ BOUNDS: dict[str, tuple[float, float, float, float]] = {
     "speed_place": (0.0, 0.35, 0.0, 0.0),
     "side_place": (0.0, 0.30, -0.05, 0.05),
     "place_apart": (-0.02, 0.09, 0.0, 0.0),
-    "place_ahead": (-0.25, 0.10, -0.04, 0.04),
+    "place_ahead": (-0.40, 0.10, -0.06, 0.06),
     "place_turn": (-0.10, 0.25, 0.0, 0.0),
-    "speed_matching": (0.0, 0.30, -0.06, 0.06),
+    "speed_matching": (0.0, 1.0, -0.15, 0.15),
     "knee_stiffness": (110.0, 700.0, -60.0, 100.0),
     "knee_damping": (2.0, 30.0, 0.0, 0.0),
     "knee_rest": (0.10, 0.50, -0.10, 0.08),
-    "knee_rest_thrust": (0.0, 0.50, -0.08, 0.05),
+    "knee_rest_thrust": (-0.30, 0.50, -0.08, 0.05),
     "thrust_at": (0.15, 0.55, -0.08, 0.04),
     "heel_ankle": (-0.20, 0.25, 0.0, 0.0),
     "heel_stiffness": (20.0, 400.0, 0.0, 0.0),
@@ -70,28 +74,30 @@ BOUNDS: dict[str, tuple[float, float, float, float]] = {
     "hip_turn": (-0.5, 1.0, 0.0, 0.0),
     "swing_stiffness": (150.0, 800.0, 0.0, 0.0),
     "swing_damping": (5.0, 40.0, 0.0, 0.0),
-    "swing_share": (0.6, 1.4, -0.15, 0.15),
-    "idle_knee": (1.2, 2.3, -0.10, 0.35),
-    "idle_time": (0.08, 0.25, 0.0, 0.0),
+    "swing_share": (0.4, 0.95, -0.10, 0.10),
+    "idle_knee": (1.2, 2.4, -0.10, 0.35),
+    "idle_time": (0.08, 0.32, -0.04, 0.04),
     "ready_knee": (0.9, 2.1, -0.10, 0.30),
     "mirror": (0.4, 1.2, -0.15, 0.15),
     "mirror_ahead": (-0.1, 0.6, -0.15, 0.15),
     "idle_apart": (-0.10, 0.20, 0.0, 0.0),
-    "arm_swing": (0.5, 1.1, 0.0, 0.0),
+    "arm_swing": (0.5, 1.3, 0.0, 0.0),
     "arm_offset": (-0.75, -0.10, 0.0, 0.0),
     "waist_stiffness": (100.0, 800.0, 0.0, 0.0),
     "waist_turn": (-0.70, 0.0, 0.0, 0.0),
     "waist_lean": (-0.05, 0.20, 0.0, 0.0),
+    "flight_goal": (0.08, 0.20, -0.02, 0.02),
+    "flight_thrust": (0.0, 6000.0, 0.0, 0.0),
 }
 
 # What a candidate's reports cost: weight of each sum (`running_judge.report`).
 WEIGHTS: dict[str, float] = {
-    "strain": 3.0,
+    "strain": 6.0,
     "effort": 2e-6,
     "lean": 8.0,
     "near": 60.0,
     "stance": 25.0,
-    "period": 2.0,
+    "period": 3.0,
     "landing_knee": 6.0,
     "stance_knee": 4.0,
     "swing_knee": 2.0,
@@ -101,80 +107,21 @@ WEIGHTS: dict[str, float] = {
     "peak": 1.0,
     "impact": 2.0,
     "travel": 8.0,
+    "thigh_unlike": 4.0,
+    "knee_unlike": 2.5,
+    "ankle_unlike": 0.7,
+    "landing": 0.4,
 }
-_FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 2.5, 4.0, 1.0, 0.05, 6.0
+_FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 2.5, 6.0, 1.0, 0.05, 15.0
+# Speeds of the scenarios' first states [m/s]; they are made anew after so many generations.
+_SPEEDS, _REFRESH = (2.5, 3.5, 4.5, 5.0), 20
+# Curves that are held against people's, in the judge's order.
+_LIKE = ("thigh", "knee", "ankle")
 _WORST = 0.3  # share of the worst scenario besides the mean
 _OUTSIDE = 10.0  # per squared overshoot of a bound
-_FRICTION, _TURN, _PUSH = (0.7, 1.0), 0.4, 80.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scenario:
-    """One run that every candidate makes.
-
-    Attributes:
-        name: For tables.
-        course: What is asked for.
-        duration: [s].
-        friction: Of the ground.
-        push: Impulse on the pelvis [N s], world, or None.
-        pushed: When [s].
-    """
-
-    name: str
-    course: Course
-    duration: float
-    friction: float = 1.0
-    push: tuple[float, float, float] | None = None
-    pushed: float = 1.0
-
-
-def first_scenarios(rng: np.random.Generator) -> tuple[Scenario, ...]:
-    """For gains without steady states: all begin at 3.5 m/s, two change speed, and all turn."""
-    out = []
-    for name, speed, turning, ready, turn, end in (
-        ("slow", 2.5, _TURN, 1.5, 3.2, 4.8),
-        ("middle", 3.5, 1.25 * _TURN, 0.5, 1.5, 4.5),
-        ("fast", 5.0, 0.5 * _TURN, 2.5, 4.6, 6.0),
-    ):
-        way = rng.choice((-1.0, 1.0)) * turning * (end - turn)
-        rows = [(0.0, 3.5, 0.0), (0.4, 3.5, 0.0), (ready, speed, 0.0), (turn, speed, 0.0)]
-        out.append(_scenario(rng, name, [*rows, (end, speed, way)]))
-    return tuple(out)
-
-
-def scenarios(rng: np.random.Generator) -> tuple[Scenario, ...]:
-    """Slow, middle and fast from steady states: all turn, two change speed, one is pushed.
-
-    Sides and pushes are drawn evenly: the gains know no side.
-    """
-    out = []
-    for name, speed, turning, turn, straight, later in (
-        ("slow", 2.5, _TURN, 0.8, 2.8, 3.2),
-        ("middle", 3.5, 1.25 * _TURN, 0.8, 3.3, 3.5),
-        ("fast", 5.0, 0.5 * _TURN, 1.5, 3.0, 4.3),
-    ):
-        way = rng.choice((-1.0, 1.0)) * rng.uniform(0.4, 1.0) * turning * (straight - turn)
-        rows = [(0.0, speed, 0.0), (turn, speed, 0.0), (straight, speed, way)]
-        out.append(_scenario(rng, name, [*rows, (straight + 1.2, later, way)]))
-    return tuple(out)
-
-
-def _scenario(
-    rng: np.random.Generator, name: str, rows: Sequence[tuple[float, float, float]]
-) -> Scenario:
-    """A course of rows of time, speed and heading, on a friction drawn by chance."""
-    times, speeds, headings = np.array(rows).T
-    angle, strength = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.3, 1.0) * _PUSH
-    pushed = name == "middle"
-    return Scenario(
-        name=name,
-        course=Course(times=times, speeds=speeds, headings=headings, acceleration=1.2),
-        duration=float(times[-1]) + (1.0 if pushed else 0.0),
-        friction=float(rng.uniform(*_FRICTION)),
-        push=(strength * np.cos(angle), strength * np.sin(angle), 0.0) if pushed else None,
-        pushed=float(times[-1]) - 0.8 if pushed else 1.0,
-    )
+# Turns, pushes and slippery ground begin at this share of their strength and grow to the whole in
+# so many generations.
+_EASY, _GROWING = 0.6, 60
 
 
 def rehearsed(
@@ -192,8 +139,17 @@ def rehearsed(
     performance = Performance(
         scene=scene, controllers=(running, *pushes), duration=scenario.duration
     )
-    memory, (own,) = judged(performance, Judge(running=running))
+    memory, (own,) = judged(performance, Judge(running=running, people=_people()))
     return report(memory), own
+
+
+@cache
+def _people() -> Array:
+    """How people run, as a judge takes it."""
+    rows = [
+        [people(speed).curves[name][: 100 : 100 // SHARES] for name in _LIKE] for speed in SPEEDS
+    ]
+    return np.array(rows)
 
 
 def cost_of(seen: Mapping[str, float], duration: float) -> float:
@@ -205,7 +161,7 @@ def cost_of(seen: Mapping[str, float], duration: float) -> float:
         return cost + _FALL
     cost += _SPEED * np.sqrt(seen["speed"]) + _HEADING * np.sqrt(seen["heading"])
     cost += _SIDE * np.sqrt(seen["side"]) + _ROCKING * np.sqrt(seen["rocking"])
-    cost += _NEAREST * max(0.0, 0.095 - seen["nearest"])
+    cost += _NEAREST * max(0.0, 0.105 - seen["nearest"])
     return float(cost + sum(weight * seen[name] for name, weight in WEIGHTS.items()))
 
 
@@ -300,6 +256,7 @@ def train(
     settings["gains"] = ", ".join(f"{name} {kind}" for name, kind in space.keys)
     saved = _read(checkpoint, settings)
     history: list[dict[str, float]] = list(saved.get("history", []))
+    starts = tuple(saved.get("starts", start.starts))
     mean = np.array(saved["mean"]) if saved else space.numbers(start)
     options = {"popsize": population, "seed": seed + 1 + len(history), "verbose": -9}
     options |= {"CMA_diagonal": 0}
@@ -309,29 +266,49 @@ def train(
     with quiet_engine(), ThreadPoolExecutor(threads) as pool:
         while len(history) * population < evaluations:
             rng = np.random.default_rng((seed, len(history)))
-            runs = scenarios(rng) if start.starts else first_scenarios(rng)
+            if len(history) % _REFRESH == 0:
+                starts = _states(space.schedule(search.mean), athlete, starts)
+            grown = min(1.0, len(history) / _GROWING)
+            hardness = _EASY + (1.0 - _EASY) * grown
+            runs = scenarios(rng, hardness=hardness) if starts else first_scenarios(rng)
             asked = search.ask()
-            jobs = [(run, space.schedule(x), athlete) for x in asked for run in runs]
-            seen = list(pool.map(lambda job: rehearsed(*job)[0], jobs))
+            gains = [replace(space.schedule(x), starts=starts) for x in asked]
+            seen = list(pool.map(_tried, gains, repeat(runs), repeat(athlete)))
             costs = _costs(asked, runs, seen)
             search.tell(asked, costs)
-            row = _row(len(history), population, costs, search.sigma, seen, runs)
+            row = _row(len(history), population, costs, search.sigma, seen)
             history.append(row)
             if told is not None:
                 told(row)
             if checkpoint is not None:
-                _write(checkpoint, settings, search, history, space)
-    found = space.schedule(search.mean)
+                _write(checkpoint, settings, search, history, space, starts)
+    found = replace(space.schedule(search.mean), starts=starts)
     return Trained(schedule=found, history=tuple(history))
+
+
+def _states(
+    schedule: Schedule, body: Athlete, before: tuple[Mapping[str, Any], ...]
+) -> tuple[Mapping[str, Any], ...]:
+    """Steady states of a schedule at the speeds of the scenarios; those before where all fell."""
+    made, fallen = steady_states(replace(schedule, starts=before), body, _SPEEDS, seconds=4.0)
+    return before if len(fallen) == len(_SPEEDS) else made.starts
+
+
+def _tried(schedule: Schedule, runs: Sequence[Scenario], body: Athlete) -> list[dict[str, float]]:
+    """What was seen of one candidate in each scenario; after a fall the rest is not run."""
+    out: list[dict[str, float]] = []
+    for run in runs:
+        out.append(rehearsed(run, schedule, body)[0])
+        if out[-1]["fell"]:
+            break
+    return out
 
 
 def _costs(asked: Sequence[Array], runs: Sequence[Scenario], seen: Sequence[Any]) -> list[float]:
     out = []
-    for k, x in enumerate(asked):
-        own = [
-            cost_of(one, run.duration)
-            for one, run in zip(seen[k * len(runs) : (k + 1) * len(runs)], runs, strict=True)
-        ]
+    for x, tried in zip(asked, seen, strict=True):
+        own = [cost_of(one, run.duration) for one, run in zip(tried, runs, strict=False)]
+        own += own[-1:] * (len(runs) - len(own))  # a run not made costs as much as the fall
         over = np.maximum(0.0, np.abs(np.asarray(x) - 0.5) - 0.5)
         out.append(float(np.mean(own) + _WORST * max(own) + _OUTSIDE * (over**2).sum()))
     return out
@@ -342,19 +319,17 @@ def _row(
     population: int,
     costs: Sequence[float],
     sigma: float,
-    seen: Sequence[Mapping[str, float]],
-    runs: Sequence[Scenario],
+    seen: Sequence[Sequence[Mapping[str, float]]],
 ) -> dict[str, float]:
     """A generation as one row of the table."""
-    best = int(np.argmin(costs))
-    chosen = seen[best * len(runs) : (best + 1) * len(runs)]
+    chosen = seen[int(np.argmin(costs))]
     row = {
         "generation": float(number),
         "evaluations": float((number + 1) * population),
         "least": float(min(costs)),
         "median": float(np.median(costs)),
         "sigma": float(sigma),
-        "falls": float(np.mean([one["fell"] for one in seen])),
+        "falls": float(np.mean([own[-1]["fell"] for own in seen])),
     }
     return row | {
         f"best_{name}": float(np.mean([one[name] for one in chosen]))
@@ -383,6 +358,7 @@ def _write(
     search: Any,
     history: Sequence[Mapping[str, float]],
     space: Space,
+    starts: Sequence[Mapping[str, Any]],
 ) -> None:
     saved = {
         "settings": dict(settings),
@@ -391,6 +367,7 @@ def _write(
         "sigma_now": float(search.sigma),
         "covariance": np.asarray(search.C).tolist(),
         "schedule": replace(space.schedule(np.asarray(search.mean)), starts=()).as_json(),
+        "starts": [dict(one) for one in starts],
     }
     with written(path) as temporary:
         temporary.write_text(json.dumps(saved), encoding="utf-8")
@@ -405,45 +382,52 @@ def _restore(search: Any, saved: Mapping[str, Any]) -> None:
 
 def steady_states(
     schedule: Schedule, body: Athlete, speeds: Sequence[float], *, seconds: float = 12.0
-) -> Schedule:
-    """The schedule with steady states to start from at speeds [m/s].
+) -> tuple[Schedule, tuple[float, ...]]:
+    """The schedule with steady states to start from, and the speeds [m/s] at which runs fell.
 
     Each is the state at the last liftoff of the left foot of a run that reached its speed slowly.
+    """
+    found, fallen = [], []
+    for speed in speeds:
+        try:
+            found.append(_steady(schedule, body, speed, seconds))
+        except UnderstudyError:
+            fallen.append(speed)
+    others = [s for s in schedule.starts if s["athlete"] != body.name]
+    return replace(schedule, starts=(*others, *found)), tuple(fallen)
+
+
+def _steady(schedule: Schedule, body: Athlete, speed: float, seconds: float) -> Mapping[str, Any]:
+    """A steady state at one speed [m/s].
 
     Raises:
-        UnderstudyError: A run fell.
+        UnderstudyError: The run fell.
     """
     from understudy.simulate import simulate
 
-    starts = [s for s in schedule.starts if s["athlete"] != body.name]
-    plain = replace(schedule, starts=())
-    for speed in speeds:
-        reach = 1.0 + abs(speed - 3.5) / 0.5
-        course = Course(
-            times=np.array([0.0, 1.0, reach + 0.1]),
-            speeds=np.array([3.5, 3.5, speed]),
-            headings=np.zeros(3),
-        )
-        running = Running(course=course, schedule=plain)
-        scene = Scene(characters=(body,), timestep=TIMESTEP)
-        whole = Performance(scene=scene, controllers=(running,), duration=reach + seconds)
-        seen, (memory,) = judged(whole, Judge(running=running))
-        if report(seen)["fell"]:
-            raise UnderstudyError(f"The run at {speed:g} m/s fell; train longer.")
-        moment = float(memory[law.LIFTOFF])
-        if memory[law.ACTIVE] != law.RIGHT:  # then the right foot left last; take the step before
-            moment -= 1e-9
-        raise_at = _liftoff(whole, running, moment)
-        take = simulate(replace(whole, duration=raise_at))
-        _, (kept,) = judged(replace(whole, duration=raise_at), Judge(running=running))
-        part = scene.parts[0]
-        starts.append(
-            steady_state(
-                *(body, speed, take.qpos[-1, part.qpos], take.qvel[-1, part.dofs], kept),
-                float(take.times[-1]),
-            )
-        )
-    return replace(schedule, starts=tuple(starts))
+    reach = 1.0 + abs(speed - 3.5) / 0.5
+    course = Course(
+        times=np.array([0.0, 1.0, reach + 0.1]),
+        speeds=np.array([3.5, 3.5, speed]),
+        headings=np.zeros(3),
+    )
+    running = Running(course=course, schedule=schedule)
+    scene = Scene(characters=(body,), timestep=TIMESTEP)
+    whole = Performance(scene=scene, controllers=(running,), duration=reach + seconds)
+    seen, (memory,) = judged(whole, Judge(running=running))
+    if report(seen)["fell"]:
+        raise UnderstudyError(f"The run at {speed:g} m/s fell; train longer.")
+    moment = float(memory[law.LIFTOFF])
+    if memory[law.ACTIVE] != law.RIGHT:  # then the right foot left last; take the step before
+        moment -= 1e-9
+    raise_at = _liftoff(whole, running, moment)
+    take = simulate(replace(whole, duration=raise_at))
+    _, (kept,) = judged(replace(whole, duration=raise_at), Judge(running=running))
+    part = scene.parts[0]
+    return steady_state(
+        *(body, speed, take.qpos[-1, part.qpos], take.qvel[-1, part.dofs], kept),
+        float(take.times[-1]),
+    )
 
 
 def _liftoff(whole: Performance, running: Running, moment: float) -> float:
