@@ -230,16 +230,20 @@ def touchdown_place(time, p, m, velocity, wanted):  # type: ignore[no-untyped-de
     vx, vy = velocity
     speed, side_speed, error, turning, forward = wanted
     x = 0.5 * (m[STANCE] * vx - p[P_FOOT])
-    x += m[M_GAINS + SPEED_PLACE] * (vx - speed * math.cos(error)) + m[M_GAINS + PLACE_AHEAD]
-    x -= m[M_COURSE + LEAD]
+    x += m[M_GAINS + SPEED_PLACE] * (vx - speed * math.cos(error))
+    y = 0.5 * m[STANCE] * vy
+    y += m[M_GAINS + SIDE_PLACE] * (vy - speed * math.sin(error) - side_speed)
     # Ground speed matching: the leg reaches too far and comes back just before it touches, with a
-    # share of the ground's speed when it does.
+    # share of the ground's speed when it does. All of it lies along the way of travel, wherever
+    # the pelvis faces.
     whole = (1.0 - m[M_GAINS + SWING_SHARE]) * m[FLIGHT_TIME]
     left = bounded(m[FLIGHT_TIME] - (time - m[LIFTOFF]), -0.05, whole)
     back = left - 0.5 * left * left / whole if left > 0.0 else left
-    x += m[M_GAINS + SPEED_MATCHING] * vx * back
-    y = 0.5 * m[STANCE] * vy
-    y += m[M_GAINS + SIDE_PLACE] * (vy - speed * math.sin(error) - side_speed)
+    going_at = math.sqrt(vx * vx + vy * vy)
+    along = (m[M_GAINS + PLACE_AHEAD] - m[M_COURSE + LEAD]) / max(going_at, 1.0)
+    along += m[M_GAINS + SPEED_MATCHING] * back
+    x += along * vx
+    y += along * vy
     y -= m[M_GAINS + PLACE_TURN] * forward * turning
     outward = 1.0 if m[ACTIVE] == LEFT else -1.0
     y = bounded(y, -_WIDEST, _WIDEST)
