@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import mujoco
@@ -137,12 +138,18 @@ class Running:
         qpos, qvel, memory = arrays
         # Another body's state: the same angles, its pelvis higher or lower by its legs.
         name, height = near["athlete"].removeprefix("athlete_"), near.get("height")
-        higher = body.links[0].offset[2] - athlete(name, height=height).links[0].offset[2]
+        higher = float(body.links[0].offset[2]) - _pelvis_height(name, height)
         qpos[2] += higher
         memory[law.LANDING_HEIGHT] += higher
         # A run a little faster or slower than the stored one is the same but for its speed.
         qvel[0] += speed - float(near["speed"])
         return qpos, qvel, memory
+
+
+@cache
+def _pelvis_height(name: str, height: float | None) -> float:
+    """Of a ready-made athlete that stands [m]."""
+    return float(athlete(name, height=height).links[0].offset[2])
 
 
 def made_up(body: Athlete, gains: Gains, speed: float) -> tuple[Array, Array, Array]:

@@ -92,12 +92,12 @@ BOUNDS: dict[str, tuple[float, float, float, float]] = {
 
 # What a candidate's reports cost: weight of each sum (`running_judge.report`).
 WEIGHTS: dict[str, float] = {
-    "strain": 6.0,
+    "strain": 8.0,
     "effort": 2e-6,
     "lean": 8.0,
     "near": 60.0,
     "stance": 25.0,
-    "period": 3.0,
+    "period": 6.0,
     "landing_knee": 6.0,
     "stance_knee": 4.0,
     "swing_knee": 2.0,
@@ -105,16 +105,16 @@ WEIGHTS: dict[str, float] = {
     "plantarflexion": 4.0,
     "thigh_back": 3.0,
     "peak": 1.0,
-    "impact": 2.0,
+    "impact": 4.0,
     "travel": 8.0,
-    "thigh_unlike": 4.0,
+    "thigh_unlike": 6.0,
     "knee_unlike": 2.5,
     "ankle_unlike": 0.7,
     "landing": 0.4,
 }
-_FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 2.5, 6.0, 1.0, 0.05, 15.0
+_FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 5.0, 8.0, 1.0, 0.05, 15.0
 # Speeds of the scenarios' first states [m/s]; they are made anew after so many generations.
-_SPEEDS, _REFRESH = (2.5, 3.5, 4.5, 5.0), 20
+_SPEEDS, _REFRESH = (2.5, 3.5, 4.5, 5.0), 15
 # Curves that are held against people's, in the judge's order.
 _LIKE = ("thigh", "knee", "ankle")
 _WORST = 0.3  # share of the worst scenario besides the mean

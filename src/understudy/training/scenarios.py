@@ -11,6 +11,8 @@ from understudy.athletics.course import Course
 
 # Friction of the most slippery ground; fastest turn [rad/s] and its onset [rad/s^2]; push [N s].
 _SLIPPERY, _TURN, _BENDING, _PUSH = 0.7, 0.5, 1.2, 75.0
+# The long run's seconds, and how much less than 1 its friction is.
+_LONG, _FAST_SLIPPERY = 8.0, (0.1, 0.25)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,9 +51,10 @@ def first_scenarios(rng: np.random.Generator) -> tuple[Scenario, ...]:
 
 
 def scenarios(rng: np.random.Generator, *, hardness: float = 1.0) -> tuple[Scenario, ...]:
-    """From steady states: middle, slow and fast with a turn, a change of speed, a push.
+    """From steady states: middle, slow and fast with a turn, long and fast, a change, two pushes.
 
-    Ways, sides, moments and friction are drawn evenly: the gains know no side.
+    Ways, moments and friction are drawn evenly: the gains know no side. One push comes from a side,
+    the other from anywhere.
 
     Args:
         rng: Draws the chances.
@@ -67,14 +70,20 @@ def scenarios(rng: np.random.Generator, *, hardness: float = 1.0) -> tuple[Scena
         way *= hardness
         rows = [(0.0, speed, 0.0), (turn, speed, 0.0), (straight, speed, way)]
         out.append(_scenario(rng, name, [*rows, (straight + 1.0, later, way)], hardness))
-    slower, faster = rng.choice((2.5, 4.5), 2, replace=False)
-    rows = [(0.0, slower, 0.0), (0.4, slower, 0.0), (2.4, faster, 0.0), (3.2, faster, 0.0)]
+    speed = rng.choice((4.5, 5.0))
+    long = _scenario(rng, "long", [(0.0, speed, 0.0), (_LONG, speed, 0.0)], hardness)
+    out.append(replace(long, friction=1.0 - hardness * float(rng.uniform(*_FAST_SLIPPERY))))
+    slower, faster = rng.choice((2.5, 4.0, 5.0), 2, replace=False)
+    rows = [(0.0, slower, 0.0), (0.4, slower, 0.0), (2.8, faster, 0.0), (3.8, faster, 0.0)]
     out.append(_scenario(rng, "changing", rows, hardness))
-    pushed = _scenario(rng, "pushed", [(0.0, 3.5, 0.0), (3.0, 3.5, 0.0)], hardness)
-    angle = 0.5 * np.pi * rng.integers(4) + rng.uniform(-0.3, 0.3)
-    strength = hardness * _PUSH
-    impulse = (strength * np.cos(angle), strength * np.sin(angle), 0.0)
-    out.append(replace(pushed, push=impulse, pushed=float(rng.uniform(0.4, 1.15))))
+    for name, toward in (
+        ("pushed aside", 0.5 * np.pi * rng.choice((-1.0, 1.0))),
+        ("pushed", 0.5 * np.pi * rng.integers(4)),
+    ):
+        pushed = _scenario(rng, name, [(0.0, 3.5, 0.0), (3.2, 3.5, 0.0)], hardness)
+        angle, strength = toward + rng.uniform(-0.3, 0.3), hardness * _PUSH
+        impulse = (strength * np.cos(angle), strength * np.sin(angle), 0.0)
+        out.append(replace(pushed, push=impulse, pushed=float(rng.uniform(0.4, 1.15))))
     return tuple(out)
 
 
