@@ -35,7 +35,7 @@ NAMED_BODY = 70.0 * 1.75
 TIMESTEP = 0.001
 # A made-up first flight: upward speed [m/s] at 3.5 m/s and per m/s, hips ahead and behind [rad].
 _CLIMB, _AHEAD, _BEHIND = (0.40, 0.095), (0.60, -0.097), (-0.30, -0.008)
-_TIMES = (SINCE, law.TOUCHDOWN, law.LIFTOFF, law.THRUST, law.ANKLE_SINCE)
+_TIMES = (SINCE, law.TOUCHDOWN, law.LIFTOFF, law.THRUST, law.LOADED, law.ANKLE_SINCE)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -63,10 +63,10 @@ P_COURSE = P_STANDING + STANDING_NUMBERS
     WAS_ACTIVE_X, WAS_ACTIVE_Y, WAS_ACTIVE_KNEE, WAS_IDLE_X, WAS_IDLE_Y, WAS_IDLE_KNEE,
     IDLE_X, IDLE_Y, IDLE_Z, IDLE_ANKLE,
     HIP_RATE_LEFT, HIP_RATE_RIGHT, KNEE_RATE_LEFT, KNEE_RATE_RIGHT,
-    MEAN_FLIGHT, LANDING_HEIGHT
-) = range(MACHINE, MACHINE + 33)
+    MEAN_FLIGHT, LANDING_HEIGHT, LOADED
+) = range(MACHINE, MACHINE + 34)
 # fmt: on
-M_GAINS = MACHINE + 33
+M_GAINS = MACHINE + 34
 M_COURSE = M_GAINS + GAINS
 
 # Hinges in the athlete's order.
@@ -79,6 +79,8 @@ _FASTEST = 15.0
 _HIP_Z, _AIR_ANKLE, _SHOULDER, _ELBOW = (150.0, 8.0), (80.0, 3.0), (70.0, 3.0), (50.0, 2.0)
 _NECK, _WRIST = 60.0, 3.0
 _ARM_OUT, _ELBOW_BENT, _ELBOW_HANGING, _ELBOW_SWING = 0.15, 1.75, 0.25, 0.2
+# A foot has left the ground when nothing presses on it for so long [s]: at a thrust it may hop.
+_GONE = 0.006
 # Farthest that a foot is placed to a side of neutral [m]: beyond it the leg gets too short.
 _WIDEST = 0.2
 # How much of the trunk's lean the neck takes back.
@@ -140,6 +142,8 @@ def _transitions(time, state, p, m):  # type: ignore[no-untyped-def]
     force = heel + ball + toes
     leg = LEFT_LEG if m[ACTIVE] == LEFT else RIGHT_LEG
     now = state_of(m)
+    if force >= 20.0:
+        m[LOADED] = time
     if now == FLIGHT:
         if force > 5.0 and timed(m, time, 0.03):
             enter(m, LOADING, time)
@@ -164,7 +168,7 @@ def _transitions(time, state, p, m):  # type: ignore[no-untyped-def]
             idle = LEFT if m[ACTIVE] == RIGHT else RIGHT
             m[KNEE_LEFT + idle] = m[WAS_IDLE_KNEE]
     elif now == TOE:
-        if force < 20.0 or timed(m, time, 0.4):
+        if time - m[LOADED] > _GONE or timed(m, time, 0.4):
             enter(m, UNLOADING, time)
     elif force < 1.0 or timed(m, time, 0.02):
         _lift_off(time, state, p, m)

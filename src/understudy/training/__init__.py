@@ -76,7 +76,7 @@ BOUNDS: dict[str, tuple[float, float, float, float]] = {
     "swing_damping": (5.0, 40.0, 0.0, 0.0),
     "swing_share": (0.4, 0.95, -0.10, 0.10),
     "idle_knee": (1.2, 2.4, -0.10, 0.35),
-    "idle_time": (0.08, 0.32, -0.04, 0.04),
+    "idle_time": (0.08, 0.36, -0.10, 0.04),
     "ready_knee": (0.9, 2.1, -0.10, 0.30),
     "mirror": (0.4, 1.2, -0.15, 0.15),
     "mirror_ahead": (-0.1, 0.6, -0.15, 0.15),
@@ -109,10 +109,10 @@ WEIGHTS: dict[str, float] = {
     "travel": 8.0,
     "thigh_unlike": 6.0,
     "knee_unlike": 2.5,
-    "ankle_unlike": 0.7,
+    "ankle_unlike": 1.2,
     "landing": 0.4,
 }
-_FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 5.0, 8.0, 1.0, 0.05, 15.0
+_FALL, _SPEED, _HEADING, _SIDE, _ROCKING, _NEAREST = 20.0, 5.0, 8.0, 1.0, 0.05, 30.0
 # Speeds of the scenarios' first states [m/s]; they are made anew after so many generations.
 _SPEEDS, _REFRESH = (2.5, 3.5, 4.5, 5.0), 15
 # Curves that are held against people's, in the judge's order.
@@ -121,7 +121,7 @@ _WORST = 0.3  # share of the worst scenario besides the mean
 _OUTSIDE = 10.0  # per squared overshoot of a bound
 # Turns, pushes and slippery ground begin at this share of their strength and grow to the whole in
 # so many generations.
-_EASY, _GROWING = 0.6, 60
+_EASY, _GROWING = 0.6, 40
 
 
 def rehearsed(
