@@ -81,6 +81,8 @@ _NECK, _WRIST = 60.0, 3.0
 _ARM_OUT, _ELBOW_BENT, _ELBOW_HANGING, _ELBOW_SWING = 0.15, 1.75, 0.25, 0.2
 # A foot has left the ground when nothing presses on it for so long [s]: at a thrust it may hop.
 _GONE = 0.006
+# How much further back a foot is put per speed that the outer loop adds against a bias [s].
+_BIAS_PLACE = 0.03
 # Farthest that a foot is placed to a side of neutral [m]: beyond it the leg gets too short.
 _WIDEST = 0.2
 # How much of the trunk's lean the neck takes back.
@@ -234,7 +236,8 @@ def touchdown_place(time, p, m, velocity, wanted):  # type: ignore[no-untyped-de
     vx, vy = velocity
     speed, side_speed, error, turning, forward = wanted
     x = 0.5 * (m[STANCE] * vx - p[P_FOOT])
-    x += m[M_GAINS + SPEED_PLACE] * (vx - speed * math.cos(error))
+    x += m[M_GAINS + SPEED_PLACE] * (vx - forward * math.cos(error))
+    x -= _BIAS_PLACE * (speed - forward)
     y = 0.5 * m[STANCE] * vy
     y += m[M_GAINS + SIDE_PLACE] * (vy - speed * math.sin(error) - side_speed)
     # Ground speed matching: the leg reaches too far and comes back just before it touches, with a
