@@ -39,7 +39,7 @@ C_TABLE = 10
 COURSE_MEMORY = 14
 # The means run over about two steps [s]; the heading closes on a path's in this time [s].
 _MEAN, _CLOSING = 0.7, 0.35
-_MOST_BIAS, _MOST_SIDE, _MOST_AIM = 2.8, 0.4, 0.35
+_MOST_BIAS, _MOST_SIDE, _MOST_AIM = 4.0, 0.4, 0.35
 # Desired speeds under this one are standing [m/s]: a runner starts when they rise over it.
 LEAST = 1.0
 # Points of a path lie this far apart [m].
@@ -280,7 +280,7 @@ class Course:
         head = np.zeros(C_TABLE)
         head[C_ACCELERATION], head[C_TURNING] = self.acceleration, self.turning
         head[C_BENDING] = self.bending
-        head[C_SPEED_GAIN], head[C_SIDE_GAIN] = 0.5, 0.25
+        head[C_SPEED_GAIN], head[C_SIDE_GAIN] = 0.25, 0.25
         head[C_PATH_GAIN], head[C_PATH_SUM] = 0.20, 0.05
         table = np.stack((self.times, self.speeds, self.headings), axis=1)
         points = self.sampled()
