@@ -35,7 +35,9 @@ def test_gains_that_are_not_searched_stay():
 def test_one_seed_gives_the_same_scenarios():
     a, b = (scenarios(np.random.default_rng(3)) for _ in range(2))
     assert [s.friction for s in a] == [s.friction for s in b]
-    assert {s.name for s in a} == {"slow", "middle", "fast", "changing", "pushed"}
+    assert {s.name for s in a} == {
+        *("slow", "middle", "fast", "changing", "long", "pushed", "pushed aside")
+    }
     assert {s.name for s in first_scenarios(np.random.default_rng(3))} == {"slow", "middle", "fast"}
 
 
