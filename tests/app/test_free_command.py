@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from understudy.app.main import main
 from understudy.control import Push
 from understudy.errors import UnderstudyError
 from understudy.evaluate import following
+from understudy.free_tracking import UnusableSearch
 from understudy.performance import tracked
 from understudy.simulate import simulate
 
@@ -52,6 +54,44 @@ def test_the_search_is_among_the_files_for_machines(freely, short, capsys):
     assert main(["track", str(short), "--pelvis", "free", "--out", str(freely), "--json"]) == 0
     (clip,) = json.loads(capsys.readouterr().out)["clips"]
     assert clip["files"]["seed0.search"] == str(freely / "wave.seed0.search")
+
+
+def test_searches_are_found_among_any_number_of_seeds(tmp_path):
+    for name in ("w.seed0.search", "w.seed7.search", "w.seedx.search", "w.seed7.search.old"):
+        (tmp_path / name).touch()
+    found = freeing.searches(tmp_path, "w", range(10**11))
+    assert sorted(found) == ["seed0.search", "seed7.search"]
+
+
+def test_a_folder_where_the_search_belongs_is_refused_before_any_work(short, tmp_path, capsys):
+    (tmp_path / "wave.seed0.search").mkdir()
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(tmp_path)]) == 2
+    assert "wave.seed0.search: is no file" in capsys.readouterr().err
+
+
+def test_an_old_search_stays_until_there_is_a_new_one(short, tmp_path, monkeypatch):
+    kept = tmp_path / "wave.seed0.search"
+    kept.write_bytes(b"of another clip")
+
+    def interrupted(clip, character, **settings):
+        if settings["checkpoint"].exists():
+            raise UnusableSearch("of another clip")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(us, "track", interrupted)
+    clip = us.sample("gesture").trimmed(0.0, 0.1)
+    given = {"seeds": 1, "folder": tmp_path, "name": "wave"}
+    with pytest.raises(KeyboardInterrupt):
+        freeing.freed(clip, us.Character.from_clip(clip), {}, **given)
+    assert kept.read_bytes() == b"of another clip"
+
+
+def test_a_budget_that_ended_the_search_is_said():
+    from understudy.app.track import hurried
+
+    facts = {"guidance": {"out_of_time_s": 3.0}}
+    row: Any = SimpleNamespace(error="", certificate={"facts": facts})
+    assert hurried(row) == ["The budget of 3 s ended the search: with more it may need less help."]
 
 
 def test_the_take_file_performs_again_bit_for_bit_and_can_be_pushed(freely):

@@ -23,8 +23,13 @@ def checkpoint(folder: Path, name: str, seed: int) -> Path:
 
 def searches(folder: Path, name: str, seeds: range) -> dict[str, str]:
     """The searches of a clip that are kept, by the ending of their file's name."""
-    kept = [checkpoint(folder, name, seed) for seed in seeds]
-    return {path.name.removeprefix(f"{name}."): str(path) for path in kept if path.is_file()}
+    found: dict[str, str] = {}
+    for path in sorted(folder.iterdir()) if folder.is_dir() else []:
+        middle = path.name.removeprefix(f"{name}.seed").removesuffix(".search")
+        ours = path.name == f"{name}.seed{middle}.search" and path.is_file()
+        if ours and middle.isdecimal() and int(middle) in seeds:
+            found[path.name.removeprefix(f"{name}.")] = str(path)
+    return found
 
 
 def freed(
@@ -85,6 +90,8 @@ def _tracked(clip: Clip, character: Character, settings: Mapping[str, Any]) -> T
     from understudy.free_tracking import UnusableSearch
 
     kept = settings["checkpoint"]
+    if kept.exists() and not kept.is_file():
+        raise InvalidValue(f"{kept}: is no file; the search is to be kept there. Move it away.")
     before = kept.stat().st_mtime_ns if kept.is_file() else None
     try:
         take = us.track(clip, character, **settings)
@@ -93,8 +100,14 @@ def _tracked(clip: Clip, character: Character, settings: Mapping[str, Any]) -> T
             f"{kept}: was damaged or of another clip or other options; the search begins anew.",
             file=sys.stderr,
         )
-        kept.unlink()
-        return us.track(clip, character, **settings)
+        old = kept.rename(kept.with_name(f"{kept.name}.old"))
+        try:
+            return us.track(clip, character, **settings)
+        finally:  # What was there stays until there is something new.
+            if kept.exists():
+                old.unlink()
+            else:
+                old.rename(kept)
     if before is not None:
         # A search writes its file after every pass.
         done = kept.is_file() and kept.stat().st_mtime_ns == before

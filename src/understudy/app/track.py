@@ -302,6 +302,14 @@ def early(row: Row) -> bool:
     return not row.error and cut_short(row.certificate)
 
 
+def hurried(row: Row) -> list[str]:
+    """Of a search that ended by its budget, or of a clip performed in part: one line on it."""
+    budget = row.certificate["facts"].get("guidance", {}).get("out_of_time_s")
+    if budget is not None:
+        return [f"The budget of {budget:g} s ended the search: with more it may need less help."]
+    return [CUT_SHORT] if early(row) else []
+
+
 def until(row: Row) -> str:
     """Of a clip performed in part: one line on how far."""
     followed = row.certificate["characters"][0]["following"]
@@ -356,7 +364,7 @@ def text(rows: Sequence[Row]) -> str:
     parts += ["", *([FREELY] if free(rows) else []), HELP_FROM_ABOVE]
     if len(rows) == 1:
         parts += ["", *folded(done[0].certificate["statement"])]
-        parts += [CUT_SHORT] if early(done[0]) else []
+        parts += hurried(done[0])
         foreseen = done[0].certificate["feasibility"]
         parts += folded(expected(done[0])) if foreseen else []
         parts += [line for note in done[0].notes for line in folded(note, "  ")]

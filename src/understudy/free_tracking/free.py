@@ -236,6 +236,8 @@ def _freed(
     best = relay.best
     if best is None:
         raise UnderstudyError(_nothing(relay, timer))
+    if timer.over:
+        best = replace(best, found={**best.found, "out_of_time_s": timer.budget})
     found = replace(performance, controllers=(*performance.controllers, best))
     found = until(found, min(performance.duration, len(best.offsets) * best.window))
     # To read a finished search again is no part of what it cost.
