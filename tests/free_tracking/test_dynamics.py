@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from understudy.control.guidance_law import DEVIATION
-from understudy.free_tracking.dynamics import Dynamics, prior, regulator
+from understudy.free_tracking.dynamics import Dynamics, Moments, prior, regulator
 
 AXES = 4
 
@@ -24,7 +24,7 @@ def test_fit_finds_a_linear_system_and_leaves_help_out() -> None:
     a, held = rng.standard_normal((400, AXES)), rng.standard_normal((400, 6))
     x = z @ true.state.T + a @ true.offsets.T + held @ more.T + true.rest
     nothing = Dynamics(*(np.zeros_like(part) for part in true))
-    found = Dynamics.fitted(z, a, held, x, nothing, 1e-9)
+    found = Dynamics.fitted(Moments.of(z, a, held, x, nothing), nothing, 4e-7)
     for one, other in zip(found, true, strict=True):
         assert one == pytest.approx(other, abs=1e-5)
 
@@ -35,7 +35,7 @@ def test_without_samples_in_a_direction_the_prior_stays() -> None:
     z = np.zeros((50, DEVIATION + AXES))
     a = rng.standard_normal((50, AXES))
     x = a @ rng.standard_normal((AXES, DEVIATION))
-    found = Dynamics.fitted(z, a, np.zeros((50, 6)), x, known, 0.006)
+    found = Dynamics.fitted(Moments.of(z, a, np.zeros((50, 6)), x, known), known, 0.3)
     assert found.state == pytest.approx(known.state)
 
 

@@ -107,7 +107,13 @@ class Scripted:
                 help=help_,
                 postures=np.zeros((windows, POSTURE)),
                 gains=np.zeros((windows, 2, DEVIATION + 2)),
-                found={"passes": 3, "help_scale": 0.0, "help_percent": 0.0, "cost": 1.0},
+                found={
+                    "passes": 3,
+                    "rounds": 0,
+                    "help_scale": 0.0,
+                    "help_percent": 0.0,
+                    "cost": 1.0,
+                },
             )
             rows = np.arange(count[0], count[0] + windows + 1.0)[:, None]
             self.states = States(rows, rows, rows)

@@ -34,7 +34,7 @@ def planning(guided: Performance) -> Performance:
 
 
 def pushed(performance: Performance) -> Take:
-    push = Push(time=0.1, on="pelvis", impulse=(0.0, 12.0, 0.0))
+    push = Push(time=0.1, on="pelvis", impulse=(0.0, 20.0, 0.0))
     return simulate(replace(performance, controllers=(*performance.controllers, push)))
 
 

@@ -20,6 +20,44 @@ from understudy.motion.rotations import Array
 _END = 5.0
 
 
+class Moments(NamedTuple):
+    """What samples of a window have in common: inputs (z, a, help), outputs x less what is known.
+
+    Attributes:
+        gram: Of the inputs about their mean, shape (inputs, inputs).
+        cross: Of inputs and outputs, shape (inputs, DEVIATION).
+        middle: Mean of the inputs.
+        mean: Mean of the outputs.
+    """
+
+    gram: Array
+    cross: Array
+    middle: Array
+    mean: Array
+
+    @classmethod
+    def of(cls, z: Array, a: Array, held: Array, x: Array, known: Dynamics) -> Moments:
+        """Of samples.
+
+        Args:
+            z: States, shape (n, DEVIATION + axes).
+            a: Their offsets, shape (n, axes).
+            held: Their help, shape (n, 6); what it does is fitted too, and left out.
+            x: Deviations at the end, shape (n, DEVIATION).
+            known: What is known before, from an earlier pass or by `prior`.
+        """
+        inputs = np.concatenate((z, a, held), axis=1)
+        change = x - z @ known.state.T - a @ known.offsets.T
+        middle, mean = inputs.mean(axis=0), change.mean(axis=0)
+        inputs = inputs - middle
+        return cls(inputs.T @ inputs, inputs.T @ (change - mean), middle, mean)
+
+    def beside(self, other: Moments, share: float = 1.0) -> Moments:
+        """With what other samples, about their own means, say of the slopes."""
+        gram, cross = self.gram + share * other.gram, self.cross + share * other.cross
+        return self._replace(gram=gram, cross=cross)
+
+
 class Dynamics(NamedTuple):
     """x' = A z + B a + c of one window."""
 
@@ -28,31 +66,22 @@ class Dynamics(NamedTuple):
     rest: Array
 
     @classmethod
-    def fitted(
-        cls, z: Array, a: Array, held: Array, x: Array, known: Dynamics, ridge: float
-    ) -> Dynamics:
+    def fitted(cls, samples: Moments, known: Dynamics, ridge: float) -> Dynamics:
         """By ridge regression toward what is known.
 
         Args:
-            z: States of the samples, shape (n, DEVIATION + axes).
-            a: Their offsets, shape (n, axes).
-            held: Their help, shape (n, 6); what it does is fitted too, and left out.
-            x: Deviations at the end, shape (n, DEVIATION).
-            known: What is known before, from an earlier pass or by `prior`.
-            ridge: Weight of the prior, per sample.
+            samples: Of the window.
+            known: What they are counted from.
+            ridge: Weight of it, in samples.
         """
-        inputs = np.concatenate((z, a, held), axis=1)
-        change = x - z @ known.state.T - a @ known.offsets.T
-        middle, mean = inputs.mean(axis=0), change.mean(axis=0)
-        inputs = inputs - middle
-        gram = inputs.T @ inputs
-        gram[np.diag_indices_from(gram)] += ridge * len(inputs)
-        slope = np.linalg.solve(gram, inputs.T @ (change - mean)).T
-        width, size = z.shape[1], a.shape[1]
+        gram = samples.gram.copy()
+        gram[np.diag_indices_from(gram)] += ridge
+        slope = np.linalg.solve(gram, samples.cross).T
+        width, size = known.state.shape[1], known.offsets.shape[1]
         return cls(
             known.state + slope[:, :width],
             known.offsets + slope[:, width : width + size],
-            mean - slope @ middle,
+            samples.mean - slope @ samples.middle,
         )
 
 

@@ -1,9 +1,9 @@
 """Down the ladder of help, every window by itself, to none; up again where it failed.
 
 A window that was passed goes a step down. Where a pass fell, the windows shortly before go half way
-back to what worked, to whole help where nothing did. After a pass without help a last one
-polishes it. A pass that stayed near its goal spares the last rung, and the polish; one that came
-through far from it is tried again once as it was, to learn before help is taken.
+back to what worked, to whole help where nothing did. A pass that stayed near its goal spares the
+last rung; one that came through far from it is tried again once as it was, to learn before help is
+taken.
 """
 
 from __future__ import annotations
@@ -35,7 +35,6 @@ class Ladder:
         tried: Passes so far.
         rough: Whether the last pass came through far off, and is tried again.
         free: Whether a pass without any help came to the end.
-        done: Whether there is no more to try.
     """
 
     children: int
@@ -45,7 +44,6 @@ class Ladder:
     tried: int = 0
     rough: bool = False
     free: bool = False
-    done: bool = False
 
     @classmethod
     def first(cls, windows: int, children: int) -> Ladder:
@@ -64,8 +62,6 @@ class Ladder:
         windows = len(self.scales)
         through = reached == windows
         free = through and not self.scales.any()
-        if self.free:
-            return replace(self, tried=self.tried + 1, done=True)
         if through and not free and not self.rough and _ROUGH < cost < np.inf:
             again = {"tried": self.tried + 1, "worked": self.scales, "rough": True}
             return replace(self, children=self.usual, **again)
@@ -90,5 +86,4 @@ class Ladder:
             tried=self.tried + 1,
             rough=False,
             free=free,
-            done=free and cost < _EASY,
         )

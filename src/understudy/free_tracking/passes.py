@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from understudy.control.guidance_law import DEVIATION, HELP
-from understudy.free_tracking.dynamics import Dynamics, prior, regulator
+from understudy.free_tracking.dynamics import Dynamics, Moments, prior, regulator
 from understudy.free_tracking.goal import Goal
 from understudy.free_tracking.ladder import Ladder
 from understudy.free_tracking.windows import States, Windows
@@ -19,12 +19,14 @@ from understudy.motion.rotations import Array
 # Least costs of the best state of a fall, of an end far off, and of straying from the goal.
 _FALL, _END, _STRAY = 500.0, 320.0, 20.0
 _AWAY = 50.0  # Least displacement of a fall: 0.2 m or 30 degrees.
-_LOST = 20000.0  # A child this far off teaches nothing.
-_CHANCE = np.repeat([100.0, 25.0], 3)  # Standard deviation of the help's chance [N, N m].
 _KEEP, _INHERIT = 0.6, 0.3  # Parts of the offsets before, and of the parent's cost, that remain.
 _CAREFUL = 0.3  # Offset that costs one where nothing is known of what is to come [rad].
-_POLISH = 0.5  # Part of the chance that remains where a pass only polishes.
 _ENOUGH = 3  # A fit takes at least one of so many children.
+
+CHANCE = np.repeat([100.0, 25.0], 3)
+"""Standard deviation of the help's chance: force [N], torque [N m]."""
+LOST = 20000.0
+"""A child this far off teaches nothing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +42,8 @@ class Effort:
         ridge: How firmly fits hold on to what is known before, per sample.
         passes: At most so many.
         most: Largest offset of the policy [rad].
+        rounds: Rounds of practice for the feedback of a free run.
+        bodies: How many practice.
     """
 
     window: float = 0.05
@@ -50,6 +54,8 @@ class Effort:
     ridge: float = 0.03
     passes: int = 10
     most: float = 0.5
+    rounds: int = 4
+    bodies: int = 50
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -223,14 +229,15 @@ class OnePass:
         postures = np.where(fine[:, None], postures, self._goal.marks[w + 1])
         off = self._goal.deviations(postures, w + 1)
         cost = self._goal.costs(off)
-        fine &= cost < _LOST
+        fine &= cost < LOST
         total = _INHERIT * crowd.total[parents]
         born = Crowd(end, off, offsets, total, parents, held * scale, postures, cost)
         born = born._replace(total=total + self._rank(w, born))
         if fine.sum() * _ENOUGH >= self._course.effort.children:
-            given = crowd.known[parents][fine], offsets[fine], held[fine] / _CHANCE, off[fine]
+            given = crowd.known[parents][fine], offsets[fine], held[fine] / CHANCE, off[fine]
             known = self.dynamics[w] or self._prior
-            self.dynamics[w] = Dynamics.fitted(*given, known, course.effort.ridge)
+            ridge = course.effort.ridge * len(given[0])
+            self.dynamics[w] = Dynamics.fitted(Moments.of(*given, known), known, ridge)
         order = np.argsort(np.where(fine, born.total, np.inf), kind="stable")
         return born.chosen(order[: min(course.effort.elites, int(fine.sum()))])
 
@@ -241,8 +248,6 @@ class OnePass:
         if gain is None:
             return _KEEP * known[:, DEVIATION:] + noise
         noise[: effort.elites // 2] = 0.0
-        if self._ladder.free:
-            noise *= _POLISH
         most = effort.most / sigma
         return np.clip(known @ gain[:, :-1].T + gain[:, -1], -most, most) + noise
 
@@ -252,7 +257,7 @@ class OnePass:
             return np.zeros((len(parents), HELP))
         crowd = self.crowds[-1]
         root = crowd.states.qpos[:, self._course.root]
-        chance = self._rng.standard_normal((len(parents), HELP)) * _CHANCE
+        chance = self._rng.standard_normal((len(parents), HELP)) * CHANCE
         chance[:, 3:] = rot.rotate(rot.conjugate(root[parents]), chance[:, 3:])
         return self._goal.pull(crowd.off, root)[parents] + chance
 

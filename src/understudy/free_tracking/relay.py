@@ -278,6 +278,6 @@ def _runs(flags: Any) -> list[tuple[int, int]]:
 def _sums(one: Guidance, other: Guidance) -> dict[str, Any]:
     """What is known of how two guidances were found, as of one: sums, and means by length."""
     a, b = len(one.offsets), len(other.offsets)
-    sums = {n: one.found[n] + other.found[n] for n in ("pieces", "passes")}
+    sums = {n: one.found[n] + other.found[n] for n in ("pieces", "passes", "rounds")}
     means = {n: (a * one.found[n] + b * other.found[n]) / (a + b) for n in ("help_scale", "cost")}
     return {**sums, **means}

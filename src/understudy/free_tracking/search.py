@@ -4,13 +4,14 @@ Windows of a twentieth of a second; in each, children of the best states so far 
 about a policy (sampling: L. Liu, M. van de Panne, K. Yin, Guided learning of control graphs for
 physics-based characters, ACM Transactions on Graphics 35 (2016)). From what the children did, each
 window's dynamics are fitted; a linear-quadratic regulator on them is the next pass's policy and its
-value function the next pass's ranking. The first pass helps the pelvis, the next ones less.
+value function the next pass's ranking. The first pass helps the pelvis, the next ones less. What
+came through is practiced before a pass that is to do better than one that fell, and at the end.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from understudy.free_tracking.dynamics import Dynamics
 from understudy.free_tracking.goal import Goal
 from understudy.free_tracking.ladder import MARGIN, Ladder
 from understudy.free_tracking.passes import Course, Effort, OnePass
+from understudy.free_tracking.practice import Plan, practiced
 from understudy.free_tracking.windows import States, Windows
 from understudy.motion.clip import Clip
 from understudy.motion.rotations import Array
@@ -153,7 +155,7 @@ class Search:
         body, part = scene.characters[self.character], scene.parts[self.character]
         with Windows(self.model, self.layout, threads=self.threads) as windows, quiet_engine():
             goal = Goal.of(windows, self._tracking.reference, body, part, times)
-            while not self.ladder.done and self.ladder.tried < self.effort.passes:
+            while not self.ladder.free and self.ladder.tried < self.effort.passes:
                 one = OnePass(
                     *(self.course, goal, windows),
                     dynamics=self.dynamics,
@@ -164,7 +166,10 @@ class Search:
                     one.run(told or (lambda _: None))
                 finally:
                     self._keep_fallen(goal, one)
-                yield self._learned(goal, one)
+                came = self._learned(goal, one)
+                if self.ladder.free or not came.done:
+                    self._practice(goal, windows, told or (lambda _: None))
+                yield came
 
     def _course(self, part: Stretch, start: States) -> Course:
         scene, dt = self.performance.scene, self.performance.scene.timestep
@@ -202,6 +207,18 @@ class Search:
         scale = float(ladder.scales[: max(1, reached)].mean())
         return Pass(ladder.tried, scale, when, done, cost)
 
+    def _practice(self, goal: Goal, windows: Windows, told: Callable[[int], None]) -> None:
+        """Practice the best run, once: its feedback gets better, and the next pass knows more."""
+        if self.best is None or self.states is None or self.effort.rounds == 0:
+            return
+        if self.best.found["rounds"] == 0:
+            plan = Plan.of(self.course, goal, windows, self.best, self.states)
+            gains, self.dynamics = practiced(
+                *(self.course, goal, windows, plan), seed=self.seed, told=told
+            )
+            found = {**self.best.found, "rounds": self.effort.rounds}
+            self.best = replace(self.best, gains=gains * self._unit(goal), found=found)
+
     def _keep(self, goal: Goal, one: OnePass) -> float:
         """Make the best run of a pass the guidance if none needs less help; returns its cost."""
         own, states = self._guidance(goal, one)
@@ -235,6 +252,7 @@ class Search:
             found={
                 "seed": self.seed,
                 "passes": self.ladder.tried + 1,
+                "rounds": 0,
                 "help_scale": float(self.ladder.scales.mean()),
                 "help_percent": 100.0 * float(np.linalg.norm(held[:, :3], axis=1).mean()) / weight,
                 "cost": float(np.mean([crowd.cost[k] for crowd, k in line[1:]])),
@@ -246,9 +264,14 @@ class Search:
         """The regulator's gains in radians per unit; none where nothing is known."""
         size = len(self.course.sigma)
         gains, _ = self.course.answers(goal, self.dynamics)
-        unit = self.course.sigma[:, None] / np.concatenate((goal.scales, self.course.sigma))
         nothing = np.zeros((size, DEVIATION + size))
-        return np.array([nothing if g is None else g[:, :-1] * unit for g in gains])
+        return np.array([nothing if g is None else g[:, :-1] for g in gains]) * self._unit(goal)
+
+    def _unit(self, goal: Goal) -> Array:
+        """What a scaled gain of one is, in radians per unit."""
+        sigma = self.course.sigma
+        unit: Array = sigma[:, None] / np.concatenate((goal.scales, sigma))
+        return unit
 
 
 def _seed(value: int) -> int:

@@ -1,0 +1,55 @@
+"""Practice gives feedback that answers pushes, and leaves the plan as it was."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import understudy as us
+from understudy.control import Guidance, Push
+from understudy.evaluate import following
+from understudy.free_tracking import Effort, freed
+from understudy.free_tracking.free import FREE, STEP
+from understudy.performance import Performance, tracked
+from understudy.simulate import simulate
+
+
+@pytest.fixture(scope="module")
+def servos() -> Performance:
+    clip = us.sample("walk").trimmed(1.0, 2.4)
+    return tracked(clip, us.Character.from_clip(clip), pelvis="free", timestep=STEP, **FREE)
+
+
+@pytest.fixture(scope="module")
+def found(servos: Performance) -> dict[int, Performance]:
+    """Without practice and with."""
+    return {rounds: freed(servos, effort=Effort(rounds=rounds)) for rounds in (0, 4)}
+
+
+def guidance_of(performance: Performance) -> Guidance:
+    (one,) = (c for c in performance.controllers if isinstance(c, Guidance))
+    return one
+
+
+def test_the_plan_stays(found: dict[int, Performance]) -> None:
+    before, after = guidance_of(found[0]), guidance_of(found[4])
+    assert np.array_equal(before.offsets, after.offsets)
+    assert np.array_equal(before.postures, after.postures)
+    assert not np.array_equal(before.gains, after.gains)
+    assert before.found["rounds"] == 0 and after.found["rounds"] == 4
+
+
+def test_a_body_that_practiced_keeps_nearer_its_plan_when_pushed(
+    found: dict[int, Performance],
+) -> None:
+    off = {}
+    for rounds, performance in found.items():
+        errors = []
+        for x, y in ((9.0, 0.0), (-9.0, 0.0), (0.0, 9.0), (0.0, -9.0)):
+            push = Push(time=0.3, on="pelvis", impulse=(x, y, 0.0))
+            take = simulate(replace(performance, controllers=(*performance.controllers, push)))
+            errors.append(following(take).com_mm)
+        off[rounds] = float(np.mean(errors))
+    assert off[4] < off[0]
