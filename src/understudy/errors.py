@@ -93,6 +93,10 @@ class Diverged(UnderstudyError):
         )
 
 
+class NotFound(UnderstudyError):
+    """A search that was done as asked and found nothing worth keeping."""
+
+
 class ControllerFailed(UnderstudyError):
     """A controller written in Python raised an exception, which is the cause of this one.
 

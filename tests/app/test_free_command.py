@@ -14,7 +14,7 @@ import understudy as us
 from understudy.app import freeing
 from understudy.app.main import main
 from understudy.control import Push
-from understudy.errors import UnderstudyError
+from understudy.errors import NotFound, UnderstudyError
 from understudy.evaluate import following
 from understudy.free_tracking import UnusableSearch
 from understudy.performance import tracked
@@ -196,10 +196,10 @@ def test_without_a_free_seed_the_least_help_wins(short, tmp_path, monkeypatch):
 
 def test_when_no_seed_comes_to_the_end_the_first_reason_is_told(short, tmp_path, monkeypatch):
     def fell(*_, seed, **__):
-        raise UnderstudyError(f"seed {seed} fell")
+        raise NotFound(f"seed {seed} fell")
 
     monkeypatch.setattr(us, "track", fell)
-    with pytest.raises(UnderstudyError, match="seed 0 fell"):
+    with pytest.raises(NotFound, match="w: seed 0 fell"):
         freeing.freed(us.read(short), None, {}, seeds=2, folder=tmp_path / "a", name="w")  # type: ignore
     assert not (tmp_path / "a").exists()
 
@@ -212,3 +212,23 @@ def test_an_interrupt_says_that_the_search_goes_on(short, tmp_path, monkeypatch,
     monkeypatch.setattr(us, "track", stopped)
     assert main(["track", str(short), "--pelvis", "free", "--out", str(tmp_path)]) == 130
     assert "the same command goes on with it" in capsys.readouterr().err
+
+
+def test_an_interrupt_says_nothing_of_a_search_that_was_there(short, tmp_path, monkeypatch, capsys):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(us, "track", stopped)
+    (tmp_path / "wave.seed0.search").write_bytes(b"of old")
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(tmp_path)]) == 130
+    said = capsys.readouterr().err
+    assert "finished files are kept" in said and "goes on" not in said
+
+
+def test_a_search_in_vain_is_no_bad_input(short, tmp_path, monkeypatch, capsys):
+    def fell(*_, **__):
+        raise NotFound("No pass came far.")
+
+    monkeypatch.setattr(us, "track", fell)
+    assert main(["track", str(short), "--pelvis", "free", "--out", str(tmp_path)]) == 1
+    assert "wave: No pass came far." in capsys.readouterr().err

@@ -119,5 +119,5 @@ def test_the_certificate_says_how_the_body_followed() -> None:
 def test_a_free_body_that_needs_help_is_told_the_least_that_was_found() -> None:
     s = replace(score(held()), root_force_mean_percent=4.0, root_force_peak_percent=9.0)
     said = statement(replace(s, fell_s=None))
-    assert said.startswith("Without help it was lost. The least that was found")
+    assert said.startswith("The least help that was found is an outside force")
     assert "4.0 % of body weight on average (peak 9.0 %)" in said

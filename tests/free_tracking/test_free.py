@@ -10,7 +10,7 @@ import pytest
 
 import understudy as us
 from understudy.control import Guidance, Push, Upright
-from understudy.errors import InvalidValue, UnderstudyError
+from understudy.errors import InvalidValue, NotFound, UnderstudyError
 from understudy.free_tracking import Effort, freed, track
 from understudy.free_tracking.checkpoint import save
 from understudy.free_tracking.free import FREE, STEP
@@ -117,7 +117,7 @@ def test_a_stopped_search_goes_on_where_it_was(
     servos: Performance, take: Take, tmp_path: Path
 ) -> None:
     file = tmp_path / "search.npz"
-    with pytest.raises(UnderstudyError, match="No pass of the search"):
+    with pytest.raises(NotFound, match="No pass of the search"):
         freed(servos, effort=SMALL, checkpoint=file, budget=0.0)
     first = replace(SMALL, passes=1)
     relay = Relay(servos, effort=SMALL)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from understudy.errors import InvalidValue, UnderstudyError
+from understudy.errors import InvalidValue, NotFound, UnderstudyError
 
 if TYPE_CHECKING:
     from understudy.character import Character
@@ -52,11 +52,13 @@ def freed(
         name: Stem of their files.
 
     Raises:
-        UnderstudyError: No seed came to the end of the clip; the first one's reason.
+        NotFound: No seed came half a second far; names the clip, and the first one's reason.
+        UnderstudyError: The first seed failed in another way, and the others failed too.
     """
     made = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
-    best, reason, tried = None, None, 0
+    best, tried = None, 0
+    reason: UnderstudyError | None = None
     first = settings.get("seed", 0)
     try:
         for seed in range(first, first + seeds):
@@ -78,7 +80,8 @@ def freed(
             with contextlib.suppress(OSError):
                 folder.rmdir()  # when nothing was written
     if best is None:
-        raise reason or UnderstudyError(f"{seeds} seeds leave nothing to try.")
+        assert reason is not None
+        raise NotFound(f"{name}: {reason}") if isinstance(reason, NotFound) else reason
     if seeds > 1:
         best.facts["seeds_tried"] = tried
     return best

@@ -21,7 +21,7 @@ from typing import Any
 from understudy import __version__
 from understudy.app.outcome import Interrupted, Outcome, plain
 from understudy.app.streams import lasting, stoppable
-from understudy.errors import Diverged, UnderstudyError
+from understudy.errors import Diverged, NotFound, UnderstudyError
 
 OK, PARTLY, BAD_INPUT, DEFECT, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -219,7 +219,7 @@ def explained(error: Exception) -> tuple[str, int]:
     """
     if os.environ.get("UNDERSTUDY_DEBUG"):
         traceback.print_exception(error)
-    if isinstance(error, Diverged):
+    if isinstance(error, Diverged | NotFound):
         return str(error), PARTLY
     if isinstance(error, UnderstudyError):
         return str(error), BAD_INPUT

@@ -116,21 +116,24 @@ def run(options: Options) -> Outcome:
     jobs = jobs_for(options)
     check_targets(jobs)
     rows: dict[int, Row] = {}
+    before = _searches(jobs)
     try:
         _collect(jobs, count, rows)
     except KeyboardInterrupt as stop:
         done = [rows[index] for index in sorted(rows)]
         status_ = getattr(stop, "status", Interrupted().status)
         kept = "finished files are kept"
-        if any(
-            path.is_file()
-            for job in jobs
-            for path in job.folder.glob(f"{escape(job.name)}.*.search")
-        ):
+        if _searches(jobs).items() - before.items():
             kept += ", and the search as far as it came: the same command goes on with it"
         raise Interrupted(result=result(done), status=status_, kept=kept) from stop
     ordered = [rows[index] for index in range(len(jobs))]
     return Outcome(result=result(ordered), text=text(ordered), status=status(ordered))
+
+
+def _searches(jobs: Sequence[Job]) -> dict[Path, int]:
+    """Files of searches that are there, and when they were written [ns]."""
+    found = (path for job in jobs for path in job.folder.glob(f"{escape(job.name)}.*.search"))
+    return {path: path.stat().st_mtime_ns for path in found if path.is_file()}
 
 
 def check_search(options: Options) -> None:

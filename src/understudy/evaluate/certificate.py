@@ -178,8 +178,8 @@ def _held(s: Score) -> str:
         )
     if not s.fully_physical and s.pelvis == "free":
         return (
-            f"Without help it was lost. The least that was found: an outside force on the root of "
-            f"{force}; it {carried}: not fully physical."
+            f"The least help that was found is an outside force on the root of {force}; it "
+            f"{carried}: not fully physical."
         )
     if not s.fully_physical:
         return f"An outside force on the root of {force} helps and {carried}: not fully physical."

@@ -23,7 +23,7 @@ from understudy.control import (
     Tracking,
 )
 from understudy.edit import read_edit
-from understudy.errors import InvalidValue, UnderstudyError
+from understudy.errors import InvalidValue, NotFound
 from understudy.free_tracking.alone import by_itself, unheld
 from understudy.free_tracking.checkpoint import restore, save
 from understudy.free_tracking.passes import Effort
@@ -72,7 +72,7 @@ def track(
 
     Raises:
         Diverged: The simulation blew up; carries the take up to then.
-        UnderstudyError: No pass of the search came to the end of the clip.
+        NotFound: No pass of the search came half a second far.
     """
     balances = any(getattr(task, "pelvis", None) == "free" for task in settings.get("tasks", ()))
     if pelvis != "free" or balances:
@@ -105,7 +105,7 @@ def perform(path: str | PathLike[str], *, progress: bool = False, **search: Any)
     Raises:
         EditError: The file cannot be read or performed; names the line.
         Diverged: The simulation blew up; carries the take up to then.
-        UnderstudyError: No pass of a search came to the end.
+        NotFound: No pass of a search came half a second far.
     """
     performance = guided(read_edit(path).performance(), progress=progress, **search)
     return simulate(performance, progress=progress)
@@ -122,7 +122,7 @@ def guided(performance: Performance, **search: Any) -> Performance:
         search: Keywords of `freed`; a checkpoint only where one body is free.
 
     Raises:
-        UnderstudyError: No pass of a search came to the end.
+        NotFound: No pass of a search came half a second far.
     """
     return _guided(performance, **search)[0]
 
@@ -184,7 +184,8 @@ def freed(
     Raises:
         InvalidValue: The performance has tasks, or nothing that tracks a clip freely; the seed is
             no whole number from 0 on.
-        UnderstudyError: No run came half a second far; or the checkpoint is of another search.
+        NotFound: No run came half a second far.
+        UnderstudyError: The checkpoint is of another search.
     """
     return _freed(
         performance,
@@ -235,7 +236,7 @@ def _freed(
             pass
     best = relay.best
     if best is None:
-        raise UnderstudyError(_nothing(relay, timer))
+        raise NotFound(_nothing(relay, timer))
     if timer.over:
         best = replace(best, found={**best.found, "out_of_time_s": timer.budget})
     found = replace(performance, controllers=(*performance.controllers, best))
