@@ -86,12 +86,21 @@ def test_an_old_search_stays_until_there_is_a_new_one(short, tmp_path, monkeypat
     assert kept.read_bytes() == b"of another clip"
 
 
-def test_a_budget_that_ended_the_search_is_said():
+@pytest.mark.parametrize(
+    ("percent", "whole", "more"),
+    [
+        (2.0, True, "need less help"),
+        (0.0, True, "be harder to push over"),
+        (2.0, False, "come farther"),
+    ],
+)
+def test_a_budget_that_ended_the_search_is_said(percent, whole, more):
     from understudy.app.track import hurried
 
+    one = {"following": {"help_percent": percent, "whole": whole}}
     facts = {"guidance": {"out_of_time_s": 3.0}}
-    row: Any = SimpleNamespace(error="", certificate={"facts": facts})
-    assert hurried(row) == ["The budget of 3 s ended the search: with more it may need less help."]
+    row: Any = SimpleNamespace(error="", certificate={"facts": facts, "characters": [one]})
+    assert hurried(row) == [f"The budget of 3 s ended the search: with more it may {more}."]
 
 
 def test_the_take_file_performs_again_bit_for_bit_and_can_be_pushed(freely):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ import understudy as us
 from understudy.control import Guidance, Push
 from understudy.evaluate import following
 from understudy.free_tracking import Effort, freed
+from understudy.free_tracking.checkpoint import save
 from understudy.free_tracking.free import FREE, STEP
+from understudy.free_tracking.relay import Relay
 from understudy.performance import Performance, tracked
 from understudy.simulate import simulate
 
@@ -53,3 +56,20 @@ def test_a_body_that_practiced_keeps_nearer_its_plan_when_pushed(
             errors.append(following(take).com_mm)
         off[rounds] = float(np.mean(errors))
     assert off[4] < off[0]
+
+
+def test_a_search_stopped_while_it_practices_keeps_its_run(
+    servos: Performance, found: dict[int, Performance], tmp_path: Path
+) -> None:
+    relay, file = Relay(servos), tmp_path / "search.npz"
+
+    def stop(_: int) -> None:
+        if relay.search.practice_is_next:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        for _ in relay.passes(stop):
+            save(relay, file)
+    again = freed(servos, checkpoint=file)
+    assert relay.search.ladder.tried == guidance_of(again).found["passes"]
+    assert np.array_equal(guidance_of(again).gains, guidance_of(found[4]).gains)

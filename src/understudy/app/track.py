@@ -307,9 +307,13 @@ def early(row: Row) -> bool:
 
 def hurried(row: Row) -> list[str]:
     """Of a search that ended by its budget, or of a clip performed in part: one line on it."""
-    budget = row.certificate["facts"].get("guidance", {}).get("out_of_time_s")
+    guidance = row.certificate["facts"].get("guidance", {})
+    budget = guidance.get("out_of_time_s")
     if budget is not None:
-        return [f"The budget of {budget:g} s ended the search: with more it may need less help."]
+        helped = row.certificate["characters"][0]["following"]["help_percent"] > 0.0
+        more = "need less help" if helped else "be harder to push over"
+        more = "come farther" if early(row) else more
+        return [f"The budget of {budget:g} s ended the search: with more it may {more}."]
     return [CUT_SHORT] if early(row) else []
 
 

@@ -9,12 +9,11 @@ from understudy.free_tracking.free import freed, guided, perform, track
 from understudy.free_tracking.passes import Effort
 from understudy.free_tracking.relay import Relay
 from understudy.free_tracking.replanning import Foresight, replanned
-from understudy.free_tracking.search import Pass, Search
+from understudy.free_tracking.search import Search
 
 __all__ = [
     "Effort",
     "Foresight",
-    "Pass",
     "Relay",
     "Search",
     "UnusableSearch",

@@ -136,3 +136,9 @@ def regulator(
         gains.append(gain)
         values.append(0.5 * (value + value.T))
     return gains[::-1], values[::-1]
+
+
+def slopes(gains: Sequence[Array | None], axes: int) -> Array:
+    """Gains without their constants, shape (windows, axes, DEVIATION + axes); zero for None."""
+    nothing = np.zeros((axes, DEVIATION + axes))
+    return np.array([nothing if gain is None else gain[:, :-1] for gain in gains])

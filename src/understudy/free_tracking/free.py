@@ -294,6 +294,7 @@ def _bar(relay: Relay, progress: bool) -> Iterator[Any]:
 def _doing(relay: Relay) -> str:
     ladder = relay.search.ladder
     what = f"pass {ladder.tried + 1}, help {100.0 * ladder.scales.mean():.0f} %"
+    what = "practice" if relay.search.practice_is_next else what
     return what if relay.done is None else f"from {relay.begun:.1f} s, {what}"
 
 

@@ -45,6 +45,11 @@ class Ladder:
     rough: bool = False
     free: bool = False
 
+    @property
+    def fell(self) -> bool:
+        """Whether the last pass fell."""
+        return self.children > self.usual
+
     @classmethod
     def first(cls, windows: int, children: int) -> Ladder:
         """The first try: the same help everywhere."""

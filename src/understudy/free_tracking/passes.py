@@ -91,6 +91,11 @@ class Course:
         """How many there are."""
         return len(self.borders) - 1
 
+    def unit(self, goal: Goal) -> Array:
+        """What a scaled gain of one is, in radians per unit, shape (axes, DEVIATION + axes)."""
+        unit: Array = self.sigma[:, None] / np.concatenate((goal.scales, self.sigma))
+        return unit
+
     def answers(
         self, goal: Goal, dynamics: Sequence[Dynamics | None]
     ) -> tuple[list[Array | None], list[Array]]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from understudy.control import Guidance
 from understudy.control.guidance_law import DEVIATION, HELP
-from understudy.free_tracking.dynamics import Dynamics, Moments, prior, regulator
+from understudy.free_tracking.dynamics import Dynamics, Moments, prior, regulator, slopes
 from understudy.free_tracking.goal import Goal
 from understudy.free_tracking.passes import CHANCE, LOST, Course
 from understudy.free_tracking.windows import States, Windows
@@ -59,13 +59,12 @@ class Plan:
         """A guidance and where it takes the body, a row per border."""
         postures = windows.postures(states.qpos, states.qvel)
         off = [goal.deviations(one[None], border)[0] for border, one in enumerate(postures)]
-        sigma = course.sigma
         return cls(
             states=states,
             off=np.array(off),
-            offsets=np.concatenate((course.before[None], guidance.offsets / sigma)),
+            offsets=np.concatenate((course.before[None], guidance.offsets / course.sigma)),
             help=guidance.help,
-            gains=guidance.gains * np.concatenate((goal.scales, sigma)) / sigma[:, None],
+            gains=guidance.gains / course.unit(goal),
             most=guidance.most,
         )
 
@@ -189,6 +188,4 @@ def _regulated(course: Course, goal: Goal, dynamics: Sequence[Dynamics | None]) 
     """The regulator's gains; none where nothing was seen."""
     effort = _CALM * course.penalty
     gains, _ = regulator(dynamics, goal.cost, effort, effort)
-    size = len(course.sigma)
-    nothing = np.zeros((size, DEVIATION + size))
-    return np.array([nothing if g is None else g[:, :-1] for g in gains])
+    return slopes(gains, len(course.sigma))

@@ -12,15 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from understudy.control import Guidance, Tracking
 from understudy.control.guidance import axes, layout, limit_commands
-from understudy.control.guidance_law import DEVIATION
 from understudy.errors import InvalidValue
-from understudy.free_tracking.dynamics import Dynamics
+from understudy.free_tracking.dynamics import Dynamics, slopes
 from understudy.free_tracking.goal import Goal
 from understudy.free_tracking.ladder import MARGIN, Ladder
 from understudy.free_tracking.passes import Course, Effort, OnePass
@@ -32,24 +30,6 @@ from understudy.performance import Performance
 from understudy.simulate import open_loop_controls, prepared, quiet_engine
 
 _WEIGHTS = {"hip": 1.2, "ankle": 1.2}
-
-
-class Pass(NamedTuple):
-    """What came of one pass.
-
-    Attributes:
-        number: From 0.
-        scale: Mean scale of the help in the windows passed; 0 is free.
-        reached: How far it came [s].
-        done: Whether it came to the end.
-        cost: Mean cost of the best run's deviations; infinite where none came to the end.
-    """
-
-    number: int
-    scale: float
-    reached: float
-    done: bool
-    cost: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,8 +122,15 @@ class Search:
         """The clip that is tracked."""
         return self._tracking.reference
 
-    def passes(self, told: Callable[[int], None] | None = None) -> Iterator[Pass]:
-        """Run passes until one is free or there are enough; yields what came of each.
+    @property
+    def practice_is_next(self) -> bool:
+        """Whether the best run is to be practiced: it is free, or the pass after it fell."""
+        if self.best is None or self.effort.rounds == 0 or self.best.found["rounds"]:
+            return False
+        return self.ladder.free or self.ladder.fell
+
+    def passes(self, told: Callable[[int], None] | None = None) -> Iterator[None]:
+        """Run passes until one is free or there are enough, and practice; yields after each.
 
         What `told` raises ends the pass at work; where it came farthest is kept.
 
@@ -155,21 +142,15 @@ class Search:
         body, part = scene.characters[self.character], scene.parts[self.character]
         with Windows(self.model, self.layout, threads=self.threads) as windows, quiet_engine():
             goal = Goal.of(windows, self._tracking.reference, body, part, times)
-            while not self.ladder.free and self.ladder.tried < self.effort.passes:
-                one = OnePass(
-                    *(self.course, goal, windows),
-                    dynamics=self.dynamics,
-                    ladder=self.ladder,
-                    seed=self.seed,
-                )
-                try:
-                    one.run(told or (lambda _: None))
-                finally:
-                    self._keep_fallen(goal, one)
-                came = self._learned(goal, one)
-                if self.ladder.free or not came.done:
-                    self._practice(goal, windows, told or (lambda _: None))
-                yield came
+            told = told or (lambda _: None)
+            while True:
+                if self.practice_is_next:
+                    self._practice(goal, windows, told)
+                elif self.ladder.free or self.ladder.tried >= self.effort.passes:
+                    return
+                else:
+                    self._pass(goal, windows, told)
+                yield
 
     def _course(self, part: Stretch, start: States) -> Course:
         scene, dt = self.performance.scene, self.performance.scene.timestep
@@ -193,31 +174,36 @@ class Search:
             penalty=np.full(len(weights), (self.effort.spread / self.effort.reach) ** 2),
         )
 
-    def _learned(self, goal: Goal, one: OnePass) -> Pass:
-        """Take over what a pass found, and its best run if it came to the end."""
-        reached, ladder = one.reached, self.ladder
+    def _pass(self, goal: Goal, windows: Windows, told: Callable[[int], None]) -> None:
+        """Run one pass, and take over what it found."""
+        one = OnePass(
+            *(self.course, goal, windows),
+            dynamics=self.dynamics,
+            ladder=self.ladder,
+            seed=self.seed,
+        )
+        try:
+            one.run(told)
+        finally:
+            self._keep_fallen(goal, one)
+        reached = one.reached
         done = reached == self.windows
-        strayed = one.strayed
-        good = self.windows if done else max(0, strayed - MARGIN)
+        good = self.windows if done else max(0, one.strayed - MARGIN)
         self.dynamics = one.dynamics[:good] + self.dynamics[good:]
         cost = self._keep(goal, one) if done else np.inf
-        self.ladder = ladder.after(reached, strayed=strayed, cost=cost)
+        self.ladder = self.ladder.after(reached, strayed=one.strayed, cost=cost)
         when = self.borders[reached] * self.performance.scene.timestep
         self.farthest = max(self.farthest, when)
-        scale = float(ladder.scales[: max(1, reached)].mean())
-        return Pass(ladder.tried, scale, when, done, cost)
 
     def _practice(self, goal: Goal, windows: Windows, told: Callable[[int], None]) -> None:
-        """Practice the best run, once: its feedback gets better, and the next pass knows more."""
-        if self.best is None or self.states is None or self.effort.rounds == 0:
-            return
-        if self.best.found["rounds"] == 0:
-            plan = Plan.of(self.course, goal, windows, self.best, self.states)
-            gains, self.dynamics = practiced(
-                *(self.course, goal, windows, plan), seed=self.seed, told=told
-            )
-            found = {**self.best.found, "rounds": self.effort.rounds}
-            self.best = replace(self.best, gains=gains * self._unit(goal), found=found)
+        """Practice the best run: its feedback gets better, and the next pass knows more."""
+        assert self.best is not None and self.states is not None
+        plan = Plan.of(self.course, goal, windows, self.best, self.states)
+        gains, self.dynamics = practiced(
+            *(self.course, goal, windows, plan), seed=self.seed, told=told
+        )
+        found = {**self.best.found, "rounds": self.effort.rounds}
+        self.best = replace(self.best, gains=gains * self.course.unit(goal), found=found)
 
     def _keep(self, goal: Goal, one: OnePass) -> float:
         """Make the best run of a pass the guidance if none needs less help; returns its cost."""
@@ -262,16 +248,8 @@ class Search:
 
     def _gains(self, goal: Goal) -> Array:
         """The regulator's gains in radians per unit; none where nothing is known."""
-        size = len(self.course.sigma)
         gains, _ = self.course.answers(goal, self.dynamics)
-        nothing = np.zeros((size, DEVIATION + size))
-        return np.array([nothing if g is None else g[:, :-1] for g in gains]) * self._unit(goal)
-
-    def _unit(self, goal: Goal) -> Array:
-        """What a scaled gain of one is, in radians per unit."""
-        sigma = self.course.sigma
-        unit: Array = sigma[:, None] / np.concatenate((goal.scales, sigma))
-        return unit
+        return slopes(gains, len(self.course.sigma)) * self.course.unit(goal)
 
 
 def _seed(value: int) -> int:
