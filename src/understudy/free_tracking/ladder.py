@@ -1,9 +1,9 @@
 """Down the ladder of help, every window by itself, to none; up again where it failed.
 
-A window that was passed goes a step down. Where a pass fell, the windows shortly before go half way
-back to what worked, to whole help where nothing did. A pass that stayed near its goal spares the
-last rung; one that came through far from it is tried again once as it was, to learn before help is
-taken.
+A window that was passed goes a step down; once all were, fewer children do. Where a pass fell, the
+windows shortly before go half way back to what worked, to whole help where nothing did. A pass that
+stayed near its goal spares the last rung; one that came through far from it is tried again once as
+it was, to learn before help is taken.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ _EASY = 2.5  # Mean cost of a pass that stayed near its goal.
 _ROUGH = 8.0  # Mean cost of one that came through far off.
 _NEAR = 0.05  # Closer than this to what worked, what worked is tried again.
 _MORE, _MOST = 1.3, 2.0  # More children after a fall, at most so many times.
+_FEWER = 0.6  # So many times the children where all windows were passed: much is known.
 # A fall has its cause in so many windows before it began: what was learned there is no good.
 MARGIN = 8
 
@@ -29,7 +30,7 @@ class Ladder:
 
     Attributes:
         children: Samples of a window.
-        usual: As many where nothing fell.
+        usual: As many in the first pass.
         scales: Help of every window in the next pass: 1 is whole, 0 none.
         worked: The last help with which a window was passed; infinite if it never was.
         tried: Passes so far.
@@ -50,6 +51,10 @@ class Ladder:
         """Whether the last pass fell."""
         return self.children > self.usual
 
+    @property
+    def _fewer(self) -> int:
+        return round(_FEWER * self.usual)
+
     @classmethod
     def first(cls, windows: int, children: int) -> Ladder:
         """The first try: the same help everywhere."""
@@ -69,20 +74,21 @@ class Ladder:
         free = through and not self.scales.any()
         if through and not free and not self.rough and _ROUGH < cost < np.inf:
             again = {"tried": self.tried + 1, "worked": self.scales, "rough": True}
-            return replace(self, children=self.usual, **again)
+            return replace(self, children=self._fewer, **again)
         fell = reached if strayed is None else strayed
         good = windows if through else max(0, fell - MARGIN)
         scales, worked = self.scales.copy(), self.worked.copy()
         worked[:good] = scales[:good]
         rungs = (_RUNGS[0], _RUNGS[-1]) if cost < _EASY else _RUNGS
         scales[:good] = [max(s for s in rungs if s < own or s == 0.0) for own in scales[:good]]
-        children = self.usual
+        children = self._fewer
         if not through:
             bad = slice(good, min(reached + 1, windows))
             known = np.where(np.isfinite(worked[bad]), worked[bad], 1.0)
             near = known - scales[bad] < _NEAR
             scales[bad] = np.where(near, known, 0.5 * (scales[bad] + known))
-            children = min(round(_MORE * self.children), round(_MOST * self.usual))
+            more = round(_MORE * max(self.children, self.usual))
+            children = min(more, round(_MOST * self.usual))
         return replace(
             self,
             children=children,

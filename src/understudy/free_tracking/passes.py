@@ -22,6 +22,8 @@ _AWAY = 50.0  # Least displacement of a fall: 0.2 m or 30 degrees.
 _KEEP, _INHERIT = 0.6, 0.3  # Parts of the offsets before, and of the parent's cost, that remain.
 _CAREFUL = 0.3  # Offset that costs one where nothing is known of what is to come [rad].
 _ENOUGH = 3  # A fit takes at least one of so many children.
+_SAME = 1e-8  # What is so little different from the rest of what is known is the same.
+_SURE = 0.25  # Part of the elites of which a child does just what the policy says.
 
 CHANCE = np.repeat([100.0, 25.0], 3)
 """Standard deviation of the help's chance: force [N], torque [N m]."""
@@ -35,14 +37,14 @@ class Effort:
 
     Attributes:
         window: Length of a window, to the nearest step [s].
-        children: Samples in every window.
-        elites: How many of them go on.
+        children: Samples in every window of the first pass; see `ladder` for the later ones.
+        elites: How many of them go on, and of fewer children as large a part.
         spread: Standard deviation of an offset of the trunk [rad]; hips and ankles get 1.2 of it.
         reach: Offset that costs as much as a deviation of one scale [rad].
         ridge: How firmly fits hold on to what is known before, per sample.
         passes: At most so many.
         most: Largest offset of the policy [rad].
-        rounds: Rounds of practice for the feedback of a free run.
+        rounds: At most so many rounds of practice for the feedback of a free run.
         bodies: How many practice.
     """
 
@@ -54,7 +56,7 @@ class Effort:
     ridge: float = 0.03
     passes: int = 10
     most: float = 0.5
-    rounds: int = 4
+    rounds: int = 6
     bodies: int = 50
 
 
@@ -136,6 +138,30 @@ class Crowd(NamedTuple):
         return Crowd(self.states.chosen(rows), *(array[rows] for array in self[1:]))
 
 
+def telling(noise: Array, known: Array) -> Array:
+    """Chance of which a fit learns most: without a mean, of unit variance, all uncorrelated.
+
+    Drawn freely, a few offsets are by chance much like one another and like what is known of their
+    parents, and a fit cannot tell which of them did what.
+
+    Args:
+        noise: Of every child, shape (n, axes).
+        known: What else a fit is given, shape (n, any).
+
+    Returns:
+        The noise, less what of it lies in `known` and its mean, and made orthogonal; as it was
+        where there are too few children.
+    """
+    wide = np.concatenate((np.ones((len(noise), 1)), known), axis=1)
+    basis, triangle = np.linalg.qr(wide)
+    size = np.abs(np.diag(triangle))
+    basis = basis[:, : len(size)][:, size > _SAME * size.max()]
+    if len(noise) - basis.shape[1] < noise.shape[1]:
+        return noise
+    out, triangle = np.linalg.qr(noise - basis @ (basis.T @ noise))
+    return np.asarray(out * np.sign(np.diag(triangle)) * np.sqrt(len(noise)))
+
+
 class OnePass:
     """One pass.
 
@@ -183,6 +209,12 @@ class OnePass:
         while last > 0 and self.crowds[last].cost.min() > _STRAY:
             last -= 1
         return last
+
+    @property
+    def _elites(self) -> int:
+        effort = self._course.effort
+        part = self._ladder.children * effort.elites / effort.children
+        return min(effort.elites, round(part))
 
     def run(self, told: Callable[[int], None]) -> None:
         """Go on until the end or a fall; `told` hears the number of windows done."""
@@ -238,21 +270,23 @@ class OnePass:
         total = _INHERIT * crowd.total[parents]
         born = Crowd(end, off, offsets, total, parents, held * scale, postures, cost)
         born = born._replace(total=total + self._rank(w, born))
-        if fine.sum() * _ENOUGH >= self._course.effort.children:
+        if fine.sum() * _ENOUGH >= children:
             given = crowd.known[parents][fine], offsets[fine], held[fine] / CHANCE, off[fine]
             known = self.dynamics[w] or self._prior
             ridge = course.effort.ridge * len(given[0])
             self.dynamics[w] = Dynamics.fitted(Moments.of(*given, known), known, ridge)
         order = np.argsort(np.where(fine, born.total, np.inf), kind="stable")
-        return born.chosen(order[: min(course.effort.elites, int(fine.sum()))])
+        return born.chosen(order[: min(self._elites, int(fine.sum()))])
 
     def _offsets(self, known: Array, gain: Array | None) -> Array:
         """Scaled offsets of all children: the policy's, where there is one, and chance."""
         sigma, effort = self._course.sigma, self._course.effort
         noise = self._rng.standard_normal((len(known), len(sigma)))
         if gain is None:
-            return _KEEP * known[:, DEVIATION:] + noise
-        noise[: effort.elites // 2] = 0.0
+            return _KEEP * known[:, DEVIATION:] + telling(noise, known)
+        sure = int(_SURE * self._elites)
+        noise[:sure] = 0.0
+        noise[sure:] = telling(noise[sure:], known[sure:])
         most = effort.most / sigma
         return np.clip(known @ gain[:, :-1].T + gain[:, -1], -most, most) + noise
 

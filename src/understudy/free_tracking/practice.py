@@ -3,7 +3,7 @@
 A search knows what a window does only near the runs it went on with. Here some bodies perform the
 plan by its gains, while chance pushes the pelvis and turns the offsets. What they do, in all rounds
 so far and in the windows beside too, is fitted anew, and the regulator gives the gains of the next
-round. A body that is lost begins again on the plan.
+round. A body that is lost begins again on the plan; when few are, that was practice enough.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from understudy.motion.rotations import Array
 
 _PUSH, _OFTEN = 0.5, 0.5  # Size of a push, in the help's chance; how often there is one.
 _LOST = 60.0  # Cost of a deviation from the plan from which a body begins again.
+_LEAST = 2  # Rounds that teach something in any case.
+_FEW = 0.5  # So few lost per second that a body performs are few [1/s].
 _BESIDE = 0.5  # What a sample of the window before or after counts.
 _FIRM = 1.0  # Weight of the prior, in samples.
 # Offsets cost so much more than in the search, which tries what it asks for: here fits are trusted
@@ -77,8 +79,10 @@ def practiced(
     *,
     seed: int,
     told: Callable[[int], None],
-) -> tuple[Array, list[Dynamics | None]]:
-    """Scaled gains that practice teaches, shape (windows, axes, DEVIATION + axes), and dynamics.
+) -> tuple[Array, list[Dynamics | None], int]:
+    """Scaled gains that practice teaches, dynamics, and how many rounds it took.
+
+    Gains have the shape (windows, axes, DEVIATION + axes).
 
     Args:
         course: What is performed.
@@ -91,17 +95,25 @@ def practiced(
     known, gains = prior(len(course.sigma), course.window, goal.scales), plan.gains
     dynamics: list[Dynamics | None] = []
     so_far: list[Moments | None] = [None] * course.windows
-    for count in range(course.effort.rounds):
-        rng = np.random.default_rng((seed, count, course.borders[0], course.windows))
-        seen = _Round(course, goal, windows, plan, gains, rng).seen(known, told)
+    rounds, few = 0, False
+    while rounds < course.effort.rounds and not few:
+        rng = np.random.default_rng((seed, rounds, course.borders[0], course.windows))
+        one = _Round(course, goal, windows, plan, gains, rng)
+        seen = one.seen(known, told)
         so_far = [_both(new, old) for new, old in zip(seen, so_far, strict=True)]
         dynamics = [_fitted(so_far, w, known) for w in range(course.windows)]
         gains = _regulated(course, goal, dynamics)
-    return gains, dynamics
+        rounds += 1
+        few = rounds >= _LEAST and one.lost < _FEW * course.windows * course.window
+    return gains, dynamics, rounds
 
 
 class _Round:
-    """All bodies once through all windows."""
+    """All bodies once through all windows.
+
+    Attributes:
+        lost: How often a body was lost, in the mean over all.
+    """
 
     def __init__(
         self,
@@ -118,6 +130,7 @@ class _Round:
         self._states = plan.states.chosen(np.zeros(count, int))
         self._off = np.repeat(plan.off[:1], count, axis=0)
         self._more = np.zeros((count, axes))
+        self.lost = 0.0
 
     def seen(self, known: Dynamics, told: Callable[[int], None]) -> list[Moments | None]:
         """What every window was seen to do."""
@@ -144,7 +157,8 @@ class _Round:
         self._go_on(w, end, off, more, ~fine | (cost > _LOST))
         if fine.sum() * _ENOUGH < len(fine):
             return None
-        return Moments.of(z[fine], offsets[fine], held[fine] / CHANCE, off[fine], known)
+        held = (held + plan.help[w]) / CHANCE
+        return Moments.of(z[fine], offsets[fine], held[fine], off[fine], known)
 
     def _answers(self, w: int) -> Array:
         """Scaled offsets beyond the plan's: what the gains ask for, and chance."""
@@ -161,6 +175,7 @@ class _Round:
     def _go_on(self, w: int, end: States, off: Array, more: Array, lost: Any) -> None:
         """From where the bodies are; who is lost, from the plan."""
         again, plan = lost[:, None], self._plan
+        self.lost += float(lost.mean())
         rows = plan.states.chosen([w + 1])
         parts = zip(end, rows, strict=True)
         self._states = States(*(np.where(again, own, each) for each, own in parts))

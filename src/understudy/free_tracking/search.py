@@ -199,10 +199,10 @@ class Search:
         """Practice the best run: its feedback gets better, and the next pass knows more."""
         assert self.best is not None and self.states is not None
         plan = Plan.of(self.course, goal, windows, self.best, self.states)
-        gains, self.dynamics = practiced(
+        gains, self.dynamics, rounds = practiced(
             *(self.course, goal, windows, plan), seed=self.seed, told=told
         )
-        found = {**self.best.found, "rounds": self.effort.rounds}
+        found = {**self.best.found, "rounds": rounds}
         self.best = replace(self.best, gains=gains * self.course.unit(goal), found=found)
 
     def _keep(self, goal: Goal, one: OnePass) -> float:
