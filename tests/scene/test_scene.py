@@ -55,6 +55,36 @@ def test_props_attach_themselves():
     assert scene.model.nv == 3 + 3 * 2 + 6
 
 
+@pytest.mark.parametrize("integrator", ["implicitfast", "discrete"])
+def test_a_body_alone_falls_the_same_whether_or_not_islands_are_looked_for(integrator):
+    scene = Scene(characters=(adult_man(),), ground=Ground(), integrator=integrator)
+    off = int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
+    ends = []
+    for flags in (off, 0):
+        model = scene.spec().compile()
+        assert model.opt.disableflags & off
+        model.opt.disableflags &= ~off
+        model.opt.disableflags |= flags
+        data = mujoco.MjData(model)
+        data.qpos[2], data.qvel[0] = 1.1, 1.0
+        touching = 0
+        for _ in range(400):
+            mujoco.mj_step(model, data)
+            touching += data.ncon > 0
+        assert touching > 100 and np.isfinite(data.qpos).all()
+        ends.append(data.qpos.copy())
+    np.testing.assert_array_equal(*ends)
+
+
+def test_islands_are_looked_for_where_there_is_more_than_a_body():
+    off = int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
+    for scene in (
+        Scene(characters=(adult_man(), child())),
+        Scene(characters=(adult_man(),), props=(Ball(),)),
+    ):
+        assert not scene.model.opt.disableflags & off
+
+
 def test_scenes_that_make_no_sense_are_refused():
     with pytest.raises(InvalidValue, match="at least one character"):
         Scene(characters=())
