@@ -185,3 +185,28 @@ def test_how_far_tasks_were_from_their_goals_is_told(tmp_path, capsys):
     assert main(["perform", str(tmp_path / "look.toml"), "--out", str(tmp_path / "out")]) == 0
     shown = capsys.readouterr().out
     assert "look: tasks" in shown and "face from its target" in shown
+
+
+def test_the_search_of_a_free_body_is_kept_and_used_again(tmp_path, capsys):
+    path, folder = tmp_path / "wave.toml", tmp_path / "out"
+    path.write_text('[[character]]\nclip = "sample:gesture"\ntrim = [0.8, 1.0]\npelvis = "free"\n')
+    assert main(["perform", str(path), "--out", str(folder), "--json"]) == 0
+    search, made = folder / "wave.seed0.search", (folder / "wave_sim.bvh").read_bytes()
+    (edit,) = json.loads(capsys.readouterr().out)["edits"]
+    assert edit["files"]["seed0.search"] == str(search) and search.is_file()
+    assert main(["perform", str(path), "--out", str(folder)]) == 0
+    assert f"{search}: this finished search was used again." in capsys.readouterr().err
+    assert (folder / "wave_sim.bvh").read_bytes() == made
+
+
+def test_an_interrupt_says_that_the_search_of_a_free_body_goes_on(tmp_path, monkeypatch, capsys):
+    path, folder = tmp_path / "wave.toml", tmp_path / "out"
+    path.write_text('[[character]]\nclip = "sample:gesture"\ntrim = [0.8, 1.0]\npelvis = "free"\n')
+
+    def stopped(_, *, checkpoint, **__):
+        checkpoint.write_bytes(b"so far")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("understudy.free_tracking.guided", stopped)
+    assert main(["perform", str(path), "--out", str(folder)]) == 130
+    assert "the same command goes on with it" in capsys.readouterr().err

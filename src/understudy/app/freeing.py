@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from understudy.errors import InvalidValue, NotFound, UnderstudyError
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from understudy.character import Character
     from understudy.motion.clip import Clip
     from understudy.take import Take
+
+Found = TypeVar("Found")
 
 
 def checkpoint(folder: Path, name: str, seed: int) -> Path:
@@ -55,17 +57,18 @@ def freed(
         NotFound: No seed came half a second far; names the clip, and the first one's reason.
         UnderstudyError: The first seed failed in another way, and the others failed too.
     """
-    made = not folder.exists()
-    folder.mkdir(parents=True, exist_ok=True)
+    import understudy as us
+
     best, tried = None, 0
     reason: UnderstudyError | None = None
     first = settings.get("seed", 0)
-    try:
+    with there(folder):
         for seed in range(first, first + seeds):
             tried += 1
             kept = checkpoint(folder, name, seed)
+            own = {**settings, "seed": seed, "checkpoint": kept}
             try:
-                take = _tracked(clip, character, {**settings, "seed": seed, "checkpoint": kept})
+                take = resumed(lambda own=own: us.track(clip, character, **own), kept)
             except InvalidValue:
                 raise
             except UnderstudyError as error:
@@ -75,10 +78,6 @@ def freed(
                 best = take
             if badness(best)[0] == 0.0:
                 break
-    finally:
-        if made:
-            with contextlib.suppress(OSError):
-                folder.rmdir()  # when nothing was written
     if best is None:
         assert reason is not None
         raise NotFound(f"{name}: {reason}") if isinstance(reason, NotFound) else reason
@@ -87,17 +86,40 @@ def freed(
     return best
 
 
-def _tracked(clip: Clip, character: Character, settings: Mapping[str, Any]) -> Take:
-    """The take of one seed; a search on disk that is damaged or of another clip is begun anew."""
-    import understudy as us
+@contextlib.contextmanager
+def there(folder: Path) -> Iterator[None]:
+    """A folder to keep searches in; one that was made for them goes when there are none."""
+    made = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        yield
+    finally:
+        if made:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+
+
+def resumed(search: Callable[[], Found], kept: Path) -> Found:
+    """What a search finds that goes on from a file, and keeps itself there.
+
+    A file that is damaged or of another search is begun anew; a line on standard error says what
+    became of one that was there.
+
+    Args:
+        search: With `kept` as its checkpoint.
+        kept: The file.
+
+    Raises:
+        InvalidValue: What is there is no file.
+        UnderstudyError: What the search raises.
+    """
     from understudy.free_tracking import UnusableSearch
 
-    kept = settings["checkpoint"]
     if kept.exists() and not kept.is_file():
         raise InvalidValue(f"{kept}: is no file; the search is to be kept there. Move it away.")
     before = kept.stat().st_mtime_ns if kept.is_file() else None
     try:
-        take = us.track(clip, character, **settings)
+        found = search()
     except UnusableSearch:
         print(
             f"{kept}: was damaged or of another clip or other options; the search begins anew.",
@@ -105,7 +127,7 @@ def _tracked(clip: Clip, character: Character, settings: Mapping[str, Any]) -> T
         )
         old = kept.rename(kept.with_name(f"{kept.name}.old"))
         try:
-            return us.track(clip, character, **settings)
+            return search()
         finally:  # What was there stays until there is something new.
             if kept.exists():
                 old.unlink()
@@ -118,7 +140,7 @@ def _tracked(clip: Clip, character: Character, settings: Mapping[str, Any]) -> T
             f"{kept}: {'this finished search was used again' if done else 'was gone on from'}.",
             file=sys.stderr,
         )
-    return take
+    return found
 
 
 def badness(take: Take) -> tuple[float, float]:

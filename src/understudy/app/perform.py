@@ -14,7 +14,7 @@ from tyro.conf import Positional, arg
 
 from understudy.app.outcome import Interrupted, Outcome, plain, table
 from understudy.app.performing import kept, partial, ready, spared, staged, status
-from understudy.app.track import HELP_FROM_ABOVE, counted, folded, unique
+from understudy.app.track import HELP_FROM_ABOVE, counted, folded, searched, spoken, unique
 from understudy.errors import ControllerFailed, Diverged, InvalidValue
 
 if TYPE_CHECKING:
@@ -148,13 +148,15 @@ def run(options: Options) -> Outcome:
     for job in jobs[1:]:
         made(job.edit)  # the first is about to be made anyway
     rows: list[Row] = []
+    before = searched(jobs)
     try:
         for job in jobs:
             rows.append(attempted(job))
             _say(rows, len(jobs))
     except KeyboardInterrupt as stop:
         code = getattr(stop, "status", Interrupted().status)
-        raise Interrupted(result=result(rows), status=code) from stop
+        kept = spoken(jobs, before)
+        raise Interrupted(result=result(rows), status=code, kept=kept) from stop
     return Outcome(result=result(rows), text=text(rows), status=status(rows))
 
 
@@ -229,27 +231,41 @@ def performed(job: Job) -> Row:
         UnderstudyError: As its subclasses say; nothing was written.
     """
     import understudy as us
+    from understudy.app.freeing import searches
     from understudy.evaluate import certificate
-    from understudy.free_tracking import guided
 
     started = time.monotonic()
-    take = us.simulate(guided(made(job.edit), progress=True), progress=True)
+    performance = made(job.edit)
+    take = us.simulate(upheld(performance, job), progress=True)
     found = certificate(take)
     with staged(job.folder, job.name, keep=job.keep) as (folder, files):
         write_all(take, folder, job)
         text = json.dumps(plain(found), indent=2, ensure_ascii=False, allow_nan=False)
         (folder / f"{job.name}.json").write_text(text + "\n", encoding="utf-8")
+    seed = performance.seed
     notes = [note for clip in take.references if clip is not None for note in clip.notes]
     return Row(
         path=str(job.edit.source.path),
         name=job.name,
         title=job.edit.title,
         certificate=found,
-        files=files,
+        files=files | searches(job.folder, job.name, range(seed, seed + 1)),
         notes=tuple(dict.fromkeys(notes)),
         tasked=any(performer.task for performer in job.edit.character),
         wall_s=time.monotonic() - started,
     )
+
+
+def upheld(performance: Performance, job: Job) -> Performance:
+    """The performance with a guidance for every free body; the search of a single one is kept."""
+    from understudy.app.freeing import checkpoint, resumed, there
+    from understudy.free_tracking import guided, unheld
+
+    if len(unheld(performance)) != 1:
+        return guided(performance, progress=True)
+    kept = checkpoint(job.folder, job.name, performance.seed)
+    with there(job.folder):
+        return resumed(lambda: guided(performance, checkpoint=kept, progress=True), kept)
 
 
 def write_all(take: Take, folder: Path, job: Job) -> None:

@@ -116,24 +116,29 @@ def run(options: Options) -> Outcome:
     jobs = jobs_for(options)
     check_targets(jobs)
     rows: dict[int, Row] = {}
-    before = _searches(jobs)
+    before = searched(jobs)
     try:
         _collect(jobs, count, rows)
     except KeyboardInterrupt as stop:
         done = [rows[index] for index in sorted(rows)]
         status_ = getattr(stop, "status", Interrupted().status)
-        kept = "finished files are kept"
-        if _searches(jobs).items() - before.items():
-            kept += ", and the search as far as it came: the same command goes on with it"
-        raise Interrupted(result=result(done), status=status_, kept=kept) from stop
+        raise Interrupted(result=result(done), status=status_, kept=spoken(jobs, before)) from stop
     ordered = [rows[index] for index in range(len(jobs))]
     return Outcome(result=result(ordered), text=text(ordered), status=status(ordered))
 
 
-def _searches(jobs: Sequence[Job]) -> dict[Path, int]:
-    """Files of searches that are there, and when they were written [ns]."""
+def searched(jobs: Sequence[Any]) -> dict[Path, int]:
+    """Files of searches that are there, of jobs with a folder and a name; when written [ns]."""
     found = (path for job in jobs for path in job.folder.glob(f"{escape(job.name)}.*.search"))
     return {path: path.stat().st_mtime_ns for path in found if path.is_file()}
+
+
+def spoken(jobs: Sequence[Any], before: dict[Path, int]) -> str:
+    """What an interrupt says is kept; `before` is what was searched before the jobs began."""
+    if searched(jobs).items() - before.items():
+        more = "and the search as far as it came: the same command goes on with it"
+        return f"finished files are kept, {more}"
+    return "finished files are kept"
 
 
 def check_search(options: Options) -> None:

@@ -4,6 +4,7 @@ In: a clip and a character, or a performance with a free pelvis. Out: the perfor
 `Guidance`, found by sampling and fitted linear-quadratic regulators, and its take.
 """
 
+from understudy.free_tracking.alone import unheld
 from understudy.free_tracking.checkpoint import UnusableSearch
 from understudy.free_tracking.free import freed, guided, perform, track
 from understudy.free_tracking.passes import Effort
@@ -22,4 +23,5 @@ __all__ = [
     "perform",
     "replanned",
     "track",
+    "unheld",
 ]
