@@ -1,9 +1,9 @@
 """Down the ladder of help, every window by itself, to none; up again where it failed.
 
-A window that was passed goes a step down; once all were, fewer children do. Where a pass fell, the
-windows shortly before go half way back to what worked, to whole help where nothing did. A pass that
-stayed near its goal spares the last rung; one that came through far from it is tried again once as
-it was, to learn before help is taken.
+A window that was passed goes a step down; once all were, and no pass fell, fewer children do. Where
+a pass fell, the windows shortly before go half way back to what worked, to whole help where nothing
+did. A pass that stayed near its goal spares the last rung; one that came through far from it is
+tried again once as it was, to learn before help is taken.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _EASY = 2.5  # Mean cost of a pass that stayed near its goal.
 _ROUGH = 8.0  # Mean cost of one that came through far off.
 _NEAR = 0.05  # Closer than this to what worked, what worked is tried again.
 _MORE, _MOST = 1.3, 2.0  # More children after a fall, at most so many times.
-_FEWER = 0.6  # So many times the children where all windows were passed: much is known.
+_FEWER = 0.6  # So many times the children after a pass that came through, if none fell.
 # A fall has its cause in so many windows before it began: what was learned there is no good.
 MARGIN = 8
 
@@ -36,6 +36,7 @@ class Ladder:
         tried: Passes so far.
         rough: Whether the last pass came through far off, and is tried again.
         free: Whether a pass without any help came to the end.
+        steady: Whether no pass fell.
     """
 
     children: int
@@ -45,6 +46,7 @@ class Ladder:
     tried: int = 0
     rough: bool = False
     free: bool = False
+    steady: bool = True
 
     @property
     def fell(self) -> bool:
@@ -52,8 +54,9 @@ class Ladder:
         return self.children > self.usual
 
     @property
-    def _fewer(self) -> int:
-        return round(_FEWER * self.usual)
+    def _enough(self) -> int:
+        """Children after a pass that came through."""
+        return round(_FEWER * self.usual) if self.steady else self.usual
 
     @classmethod
     def first(cls, windows: int, children: int) -> Ladder:
@@ -74,14 +77,14 @@ class Ladder:
         free = through and not self.scales.any()
         if through and not free and not self.rough and _ROUGH < cost < np.inf:
             again = {"tried": self.tried + 1, "worked": self.scales, "rough": True}
-            return replace(self, children=self._fewer, **again)
+            return replace(self, children=self._enough, **again)
         fell = reached if strayed is None else strayed
         good = windows if through else max(0, fell - MARGIN)
         scales, worked = self.scales.copy(), self.worked.copy()
         worked[:good] = scales[:good]
         rungs = (_RUNGS[0], _RUNGS[-1]) if cost < _EASY else _RUNGS
         scales[:good] = [max(s for s in rungs if s < own or s == 0.0) for own in scales[:good]]
-        children = self._fewer
+        children = self._enough
         if not through:
             bad = slice(good, min(reached + 1, windows))
             known = np.where(np.isfinite(worked[bad]), worked[bad], 1.0)
@@ -97,4 +100,5 @@ class Ladder:
             tried=self.tried + 1,
             rough=False,
             free=free,
+            steady=self.steady and through,
         )
