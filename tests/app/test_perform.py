@@ -10,6 +10,7 @@ import understudy as us
 from understudy.app import perform
 from understudy.app.main import main
 from understudy.edit import read_edit
+from understudy.errors import NotFound
 
 WAVE = '[[character]]\nclip = "sample:gesture"\ntrim = [0.8, 1.2]\n'
 DRUM = """\
@@ -210,3 +211,19 @@ def test_an_interrupt_says_that_the_search_of_a_free_body_goes_on(tmp_path, monk
     monkeypatch.setattr("understudy.free_tracking.guided", stopped)
     assert main(["perform", str(path), "--out", str(folder)]) == 130
     assert "the same command goes on with it" in capsys.readouterr().err
+
+
+def test_a_search_in_vain_leaves_the_other_edits_to_be_performed(tmp_path, monkeypatch, capsys):
+    free, led = tmp_path / "free.toml", tmp_path / "led.toml"
+    free.write_text('[[character]]\nclip = "sample:gesture"\ntrim = [0.8, 1.0]\npelvis = "free"\n')
+    led.write_text(WAVE)
+
+    def fell(performance, **given):
+        if "checkpoint" in given:
+            raise NotFound("No pass came far.")
+        return performance
+
+    monkeypatch.setattr("understudy.free_tracking.guided", fell)
+    assert main(["perform", str(free), str(led), "--out", str(tmp_path / "out")]) == 1
+    assert f"failed: {free}: No pass came far." in capsys.readouterr().err
+    assert (tmp_path / "out" / "led.take.npz").is_file()

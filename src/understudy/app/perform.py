@@ -15,7 +15,7 @@ from tyro.conf import Positional, arg
 from understudy.app.outcome import Interrupted, Outcome, plain, table
 from understudy.app.performing import kept, partial, ready, spared, staged, status
 from understudy.app.track import HELP_FROM_ABOVE, counted, folded, searched, spoken, unique
-from understudy.errors import ControllerFailed, Diverged, InvalidValue
+from understudy.errors import ControllerFailed, Diverged, InvalidValue, NotFound
 
 if TYPE_CHECKING:
     from understudy.edit import Edit
@@ -211,7 +211,7 @@ def made(edit: Edit) -> Performance:
 
 
 def attempted(job: Job) -> Row:
-    """`performed`, with a simulation that ended early turned into the row's error.
+    """`performed`, with a simulation that ended early, or a search in vain, as the row's error.
 
     Raises:
         UnderstudyError: Anything else that a person has to put right.
@@ -220,8 +220,11 @@ def attempted(job: Job) -> Row:
         return performed(job)
     except (Diverged, ControllerFailed) as error:
         files = kept(job.folder, job.name, job.keep, error)
-        path, said = str(job.edit.source.path), partial(str(error), files)
-        return Row(path=path, name=job.name, error=f"{path}: {said}", status=1, files=files)
+        said = partial(str(error), files)
+    except NotFound as error:
+        files, said = {}, str(error)
+    path = str(job.edit.source.path)
+    return Row(path=path, name=job.name, error=f"{path}: {said}", status=1, files=files)
 
 
 def performed(job: Job) -> Row:
